@@ -1,0 +1,72 @@
+#ifndef ADAPTIVE_GRID_STEREO_TEST_REFERENCE_REFERENCE_MATCHER_H
+#define ADAPTIVE_GRID_STEREO_TEST_REFERENCE_REFERENCE_MATCHER_H
+
+// The matcher as the paper's equations read: slow, plain, one function per stage. The fast kernels must
+// give the same bits.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "adaptive_grid_stereo/matching/matcher_config.h"
+#include "adaptive_grid_stereo/path_plan.h"
+
+namespace adaptive_grid_stereo {
+namespace reference {
+
+/// A value per pixel and disparity index k (disparity = min_disparity + k).
+struct Volume {
+  Volume(int width, int height, int range)
+      : width(width),
+        height(height),
+        range(range),
+        data(static_cast<size_t>(width) * height * range) {}
+  int& at(int x, int y, int k) {
+    return data[(static_cast<size_t>(y) * width + x) * range + k];
+  }
+  int at(int x, int y, int k) const {
+    return data[(static_cast<size_t>(y) * width + x) * range + k];
+  }
+  int width, height, range;
+  std::vector<int> data;
+};
+
+/// Eq. 2, 3: bit = neighbour < centre, row by row over the window without its centre, first bit
+/// lowest; borders replicate the edge. Row-major, width * height strings.
+std::vector<std::uint64_t> census(const cv::Mat& image, CensusWindow window);
+
+/// Eq. 4: Hamming distance of left (x, y) and right (x - d, y); the number of bits where x - d leaves the
+/// image.
+Volume matchingCost(const std::vector<std::uint64_t>& left, const std::vector<std::uint64_t>& right,
+                    int width, int height, const MatcherConfig& config);
+
+/// Eq. 7 with its limits, for a grey-level step.
+int largePenalty(int grey_step, const MatcherConfig& config);
+
+/// The 16 directions r = (dx, dy) of a path's step from p - r to p: the first 4, 8 or 16 are those of
+/// a cell with so many paths.
+const std::array<cv::Point, 16>& directions();
+
+/// Number of paths of the cell that holds (x, y).
+int pathsAt(const PathPlan& plan, int x, int y);
+
+/// Eq. 6 along each direction, summed over the directions of each pixel's cell.
+Volume aggregate(const Volume& cost, const cv::Mat& image, const PathPlan& plan,
+                 const MatcherConfig& config);
+
+/// Winner-takes-all, uniqueness, left-right check and sub-pixel: CV_16SC1 fixed point as MatchResult.
+cv::Mat select(const Volume& sums, const PathPlan& plan, const MatcherConfig& config);
+
+/// Removal of small regions and 3x3 median, by config.
+cv::Mat refine(const cv::Mat& disparity, const MatcherConfig& config);
+
+/// All stages.
+cv::Mat match(const cv::Mat& left, const cv::Mat& right, const PathPlan& plan,
+              const MatcherConfig& config);
+
+}  // namespace reference
+}  // namespace adaptive_grid_stereo
+
+#endif  // ADAPTIVE_GRID_STEREO_TEST_REFERENCE_REFERENCE_MATCHER_H
