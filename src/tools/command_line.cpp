@@ -5,6 +5,8 @@
 #include <iostream>
 #include <sstream>
 
+#include <opencv2/core/utils/logger.hpp>
+
 namespace po = boost::program_options;
 
 namespace adaptive_grid_stereo {
@@ -158,6 +160,8 @@ void reportCorrections(const std::string& tool, const std::vector<std::string>& 
 }
 
 int runTool(const std::string& tool, const std::function<int()>& body) {
+  // OpenCV would add its own lines about files that the tools complain about in words.
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   try {
     return body();
   } catch (const UsageError& error) {

@@ -141,16 +141,15 @@ cv::Mat select(const Volume& sums, const PathPlan& plan, const MatcherConfig& co
         if (inside(x, k) && (left[x] < 0 || sums.at(x, y, k) < sums.at(x, y, left[x]))) left[x] = k;
       }
     }
-    for (int u = 0; u < width; ++u) {
-      int smallest = 0;
-      for (int k = 0; k < range; ++k) {
-        const int x = u + min_disparity + k;
-        if (x < 0 || x >= width) continue;
-        const int scaled = sums.at(x, y, k) * (16 / pathsAt(plan, x, y));
-        if (right[u] < 0 || scaled < smallest) {
-          smallest = scaled;
-          right[u] = k;
-        }
+    std::vector<int> right_sum(width, 0);
+    for (int x = 0; x < width; ++x) {
+      const int k = left[x];
+      if (k < 0) continue;
+      const int u = x - (min_disparity + k);
+      const int scaled = sums.at(x, y, k) * (16 / pathsAt(plan, x, y));
+      if (right[u] < 0 || scaled < right_sum[u] || (scaled == right_sum[u] && k < right[u])) {
+        right[u] = k;
+        right_sum[u] = scaled;
       }
     }
     for (int x = 0; x < width; ++x) {
@@ -164,9 +163,7 @@ cv::Mat select(const Volume& sums, const PathPlan& plan, const MatcherConfig& co
           unique = false;
         }
       }
-      const bool consistent = config.disp12_max_diff < 0 ||
-                              std::abs(right[x - (min_disparity + k)] - k) <= config.disp12_max_diff;
-      if (!unique || !consistent) continue;
+      if (!unique) continue;
       int value = k * kDisparityScale;
       if (config.subpixel && inside(x, k - 1) && inside(x, k + 1)) {
         const int before = sums.at(x, y, k - 1), after = sums.at(x, y, k + 1);
@@ -174,6 +171,16 @@ cv::Mat select(const Volume& sums, const PathPlan& plan, const MatcherConfig& co
         if (curvature > 0) {
           value += floorDivide((before - after) * kDisparityScale + curvature, 2 * curvature);
         }
+      }
+      const auto consistent = [&](int candidate) {
+        const int u = x - (min_disparity + candidate);
+        return u >= 0 && u < width && right[u] >= 0 &&
+               std::abs(right[u] - candidate) <= config.disp12_max_diff;
+      };
+      if (config.disp12_max_diff >= 0 && !consistent(k) &&
+          !consistent(floorDivide(value, kDisparityScale)) &&
+          !consistent(floorDivide(value + kDisparityScale - 1, kDisparityScale))) {
+        continue;
       }
       disparity.at<std::int16_t>(y, x) = static_cast<std::int16_t>(value);
     }

@@ -56,7 +56,10 @@ int pathsAt(const PathPlan& plan, int x, int y);
 Volume aggregate(const Volume& cost, const cv::Mat& image, const PathPlan& plan,
                  const MatcherConfig& config);
 
-/// Winner-takes-all, uniqueness, left-right check and sub-pixel: CV_16SC1 fixed point as MatchResult.
+/// Winner-takes-all, uniqueness, sub-pixel and left-right check: CV_16SC1 fixed point as MatchResult.
+/// Several left winners may claim one right pixel; the smallest sum, brought to the scale of 16 paths,
+/// has it (the smaller disparity if equal). A left pixel is consistent if the right pixel at its winner,
+/// or at its sub-pixel disparity rounded down or up, has a disparity within disp12_max_diff.
 cv::Mat select(const Volume& sums, const PathPlan& plan, const MatcherConfig& config);
 
 /// Removal of small regions and 3x3 median, by config.

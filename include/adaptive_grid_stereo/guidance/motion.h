@@ -2,8 +2,18 @@
 #define ADAPTIVE_GRID_STEREO_GUIDANCE_MOTION_H
 
 #include <string>
+#include <vector>
 
 namespace adaptive_grid_stereo {
+
+/// The numbers of a Motion at one instant between two frames.
+struct MotionPoint {
+  double stamp = 0.0;  // of the camera's clock [s]
+  bool valid = false;
+  double forward_speed = 0.0;  // [m/s]
+  double yaw_rate = 0.0;       // [rad/s]
+  double pitch_rate = 0.0;     // [rad/s]
+};
 
 /// How the aircraft and its left camera move at one instant.
 struct Motion {
@@ -23,6 +33,12 @@ struct Motion {
   double rate_age = 0.0;
   /// In words why `valid` is false; empty otherwise.
   std::string reason;
+  /// The motion at fixed instants (multiples of 20 ms) up to this one, since the last question.
+  /// With it the hysteresis of the flight state depends on the flight alone, not on which frames
+  /// were processed. Filled by whoever answers a sequence of questions; has_history = false: the
+  /// frames themselves are the history.
+  bool has_history = false;
+  std::vector<MotionPoint> history;
 };
 
 }  // namespace adaptive_grid_stereo

@@ -32,22 +32,23 @@ struct MatcherConfig {
   int disparity_range = 64;
   CensusWindow census_window = CensusWindow::k9x7;
   /// P1 of eq. 6: penalty for a change of disparity by one pixel [Hamming bits], 0..kLargestPenalty-1.
-  int penalty_small = 10;
+  int penalty_small = 14;
   /// P2' of eq. 7: penalty for larger changes before it is divided by the grey-level step
   /// [Hamming bits], 1..2000. The quotient is limited to [penalty_large_min, kLargestPenalty].
-  int penalty_large = 400;
+  int penalty_large = 1000;
   /// Lower limit of P2 [Hamming bits], > penalty_small, <= kLargestPenalty.
-  int penalty_large_min = 40;
+  int penalty_large_min = 22;
   /// Divide P2' by the grey-level step (eq. 7); otherwise P2 = min(P2', kLargestPenalty).
   bool adaptive_penalty = true;
-  /// The winner's sum must be this much smaller than any other's that is not its neighbour [%], 0..99.
-  double uniqueness_ratio = 5.0;
+  /// The winner's sum must be this much smaller than any other's that is not its neighbour [%], 0..99;
+  /// 0: no check.
+  double uniqueness_ratio = 0.0;
   /// Largest difference between the left and the right disparity [px]; negative: no check.
-  int disp12_max_diff = 1;
+  int disp12_max_diff = 2;
   /// Connected regions of at most so many pixels are removed [px]; 0: no removal.
-  int speckle_size = 60;
+  int speckle_size = 100;
   /// Neighbours belong to one region if their disparities differ by at most this [px].
-  int speckle_range = 1;
+  int speckle_range = 3;
   /// Quadratic sub-pixel interpolation.
   bool subpixel = true;
   /// 3x3 median of the valid disparities.

@@ -19,7 +19,7 @@ namespace adaptive_grid_stereo {
 struct ProcessorConfig {
   MatcherConfig matcher;
   GuidanceConfig guidance;
-  /// Longest processing time per frame [s], >= 0, kept by taking paths away; 0: no governor. With
+  /// Longest processing time per frame [s], 0..10, kept by taking paths away; 0: no governor. With
   /// it the plan depends on the clock, so offline processing leaves it at 0.
   double target_period = 0.0;
   /// Significant bits of 16-bit images: 0 (seen from the data), or 8..16.

@@ -42,7 +42,7 @@ class DeadlineGovernor {
   int step_ = 0;
   std::vector<double> window_;
   int frames_with_room_ = 0;
-  int frames_since_up_ = 0;
+  int frames_since_up_ = 1 << 20;  // never yet
   int patience_ = kShortestPatience;
 };
 
