@@ -1,0 +1,5 @@
+if(AGS_WITH_SIMULATION)
+  add_executable(simulate_flight simulate_flight.cpp)
+  target_link_libraries(simulate_flight PRIVATE adaptive_grid_stereo_flight_bag adaptive_grid_stereo_tools)
+  install(TARGETS simulate_flight RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+endif()
