@@ -7,10 +7,10 @@
 
 namespace adaptive_grid_stereo {
 
-/// The plan for a frame of width x height [px]: edges by eq. 5 with its clamps, paths by the distance
-/// of each cell from the focus (FORWARD: Manhattan distance from cell 5; YAW: columns; PITCH: rows;
-/// both: the larger). LOCKED: paths_focus everywhere; motion unknown: paths_unknown everywhere.
-/// forward_speed [m/s] counts only through its share of max_speed, clamped to [0, 1].
+/// The plan for a frame of width x height [px]: edges by eq. 5 with its clamps, paths by the
+/// distance of each cell from the focus (FORWARD: Manhattan distance from cell 5; YAW: columns;
+/// PITCH: rows; both: the larger). LOCKED: paths_focus everywhere; motion unknown: paths_unknown
+/// everywhere. forward_speed [m/s] counts only through its share of max_speed, clamped to [0, 1].
 PathPlan makePathPlan(const FlightState& state, double forward_speed, const GuidanceConfig& config,
                       int width, int height);
 

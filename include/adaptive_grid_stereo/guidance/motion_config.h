@@ -24,14 +24,14 @@ struct MotionConfig {
   std::string gps_velocity_axes = "auto";
   /// "body_flu", "body_frd": axes of angular rates, accelerations and orientations of imu and odom.
   RateAxes rate_axes = RateAxes::kBodyFlu;
-  /// "body_flu", "body_frd": axes of the body frames in TF. ROS says FLU (REP 103); AirSim's tree is
-  /// FRD throughout.
+  /// "body_flu", "body_frd": axes of the body frames in TF. ROS says FLU (REP 103); AirSim's tree
+  /// is FRD throughout.
   RateAxes tf_axes = RateAxes::kBodyFlu;
-  /// Frame in which the rates are given, where the frame names in the messages are wrong; empty: the
-  /// message's own frame.
+  /// Frame in which the rates are given, where the frame names in the messages are wrong; empty:
+  /// the message's own frame.
   std::string body_frame;
-  /// Roll, pitch, yaw of a forward-looking camera against the body (FLU) [rad], where TF has nothing;
-  /// zero looks forward, level.
+  /// Roll, pitch, yaw of a forward-looking camera against the body (FLU: yaw left, pitch down, roll
+  /// right positive) [rad], -2 pi..2 pi, where TF has nothing; zero looks forward, level.
   std::array<double, 3> camera_rpy{{0.0, 0.0, 0.0}};
   /// Constant offset from camera stamps to motion stamps [s], -1..1.
   double motion_delay = 0.0;

@@ -10,68 +10,74 @@
 
 #include "adaptive_grid_stereo/guidance/motion.h"
 #include "adaptive_grid_stereo/guidance/motion_config.h"
+#include "adaptive_grid_stereo/guidance/motion_samples.h"
+#include "adaptive_grid_stereo/guidance/sample_buffer.h"
 
 namespace adaptive_grid_stereo {
 
-/// One message of a motion source, as plain numbers in the axes that the source uses.
-struct OdometrySample {
-  double stamp = 0.0;                                      // [s]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      // [m/s]
-  Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();  // [rad/s]
-  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
-  std::string frame;  // in which velocity and rate are given (child_frame_id)
-};
-struct ImuSample {
-  double stamp = 0.0;                                      // [s]
-  Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();  // [rad/s]
-  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // specific force [m/s^2]
-  std::optional<Eigen::Quaterniond> orientation;           // body to world, where the source has one
-  std::string frame;
-};
-struct VelocitySample {
-  double stamp = 0.0;                                  // [s]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // [m/s], in velocity_axes
-};
-struct FixSample {
-  double stamp = 0.0;      // [s]
-  double latitude = 0.0;   // [deg]
-  double longitude = 0.0;  // [deg]
-  double altitude = 0.0;   // [m]
-};
-struct MagneticSample {
-  double stamp = 0.0;                               // [s]
-  Eigen::Vector3d field = Eigen::Vector3d::Zero();  // any unit, body axes
-};
-
 /// How the left optical frame sits on and turns against the frame of a motion source.
 struct Mounting {
-  /// Rotates a vector of the source's body frame (FLU) into the left optical frame.
+  /// Rotates a vector of the source's body frame, in MotionConfig::tf_axes, into the left optical
+  /// frame.
   Eigen::Quaterniond optical_from_body = Eigen::Quaterniond::Identity();
   /// Rate of the optical frame against the body, in the optical frame [rad/s] (a moving gimbal).
   Eigen::Vector3d relative_rate = Eigen::Vector3d::Zero();
+  /// In words why the mounting is unknown although it should be known (a gimbal that went silent);
+  /// the motion is then invalid.
+  std::string error;
 };
 
-/// Given the frame of a source and a stamp [s], the camera's mounting; empty if it is not known, and
-/// then `camera_rpy` of the config serves.
-using MountingLookup = std::function<std::optional<Mounting>(const std::string& frame, double stamp)>;
+/// Given the frame of a source and a stamp [s], the camera's mounting; empty if it is not known,
+/// and then `camera_rpy` of the config serves.
+using MountingLookup =
+    std::function<std::optional<Mounting>(const std::string& frame, double stamp)>;
+
+/// State of one source, for diagnostics.
+struct SourceReport {
+  StampCounts counts;
+  std::uint64_t invalid = 0;  // NaN or inf: refused
+  double last_stamp = 0.0;    // [s]; 0: none yet
+  double period = 0.0;        // [s]; 0: unknown
+};
+struct EstimatorReport {
+  SourceReport imu, odom, gps_vel, gps_fix, mag;
+};
 
 /// Turns samples of any of the sources into forward speed, yaw rate and pitch rate at a stamp.
-/// Thread safe: samples may come from several threads while another asks.
+///
+/// "auto" takes the first of odom, gps_vel, gps_fix (speed) and of imu, odom (rates) that is fresh.
+/// A source that grows old is faded out over the second half of motion_timeout, one that comes
+/// (back) is faded in over as long, so the numbers do not jump when the source changes. Velocities
+/// in earth axes are projected on the forward axis with the orientation at their own stamp: that of
+/// the odometry's pose for odometry, else that of the Imu messages, else one estimated from gyro,
+/// accelerometer and magnetometer; without any the ground speed serves.
+///
+/// The estimate for a stamp depends only on the samples, not on the order or the time of their
+/// arrival, and uses none that lie more than kInterpolationReach after the stamp. Thread safe:
+/// samples may come from several threads while another asks.
 class MotionEstimator {
  public:
   explicit MotionEstimator(const MotionConfig& config);
   ~MotionEstimator();
 
+  /// Keeps the samples. Values out of range are corrected as by MotionConfig::validate().
   void setConfig(const MotionConfig& config);
 
-  void add(const OdometrySample& sample);
-  void add(const ImuSample& sample);
-  void add(const VelocitySample& sample);
-  void add(const FixSample& sample);
-  void add(const MagneticSample& sample);
+  /// Each returns false, and counts the sample as invalid, if it holds NaN or inf.
+  bool add(const OdometrySample& sample);
+  bool add(const ImuSample& sample);
+  bool add(const VelocitySample& sample);
+  bool add(const FixSample& sample);
+  bool add(const MagneticSample& sample);
 
-  /// The motion at `stamp` [s] plus the configured delay.
+  /// The motion at `stamp` [s] plus the configured delay. Never throws; `mounting` may be empty.
   Motion estimate(double stamp, const MountingLookup& mounting) const;
+
+  /// Whether the sources in use have delivered what counts for `stamp` [s]: the fast ones a sample
+  /// at or after it, the slow ones all samples that are due. Silent sources count as ready.
+  bool ready(double stamp) const;
+
+  EstimatorReport report() const;
 
   /// Forgets all samples (a bag that starts over).
   void reset();

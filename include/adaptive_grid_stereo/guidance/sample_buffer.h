@@ -1,0 +1,124 @@
+#ifndef ADAPTIVE_GRID_STEREO_GUIDANCE_SAMPLE_BUFFER_H
+#define ADAPTIVE_GRID_STEREO_GUIDANCE_SAMPLE_BUFFER_H
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace adaptive_grid_stereo {
+
+/// What has happened to the stamps of one source.
+struct StampCounts {
+  std::uint64_t accepted = 0;
+  std::uint64_t duplicates = 0;    // same stamp again: refused
+  std::uint64_t out_of_order = 0;  // older than the newest: sorted in
+  std::uint64_t too_late = 0;      // older than all that is kept: refused
+  std::uint64_t gaps = 0;          // longer than the limit of the buffer
+  std::uint64_t clock_jumps = 0;   // backwards
+};
+
+/// The newest samples of one source, sorted by stamp. Sample has a member `stamp` [s].
+///
+/// Stragglers are sorted in. Three samples in a row that lie more than kClockJump behind the newest
+/// one mean that the clock was set back (a bag that loops), or that the newest one was stamped far
+/// in the future: in both cases everything later than they is dropped. Not thread safe.
+template <typename Sample>
+class SampleBuffer {
+ public:
+  static constexpr double kClockJump = 2.0;  // [s]
+  static constexpr double kNothing = std::numeric_limits<double>::infinity();
+
+  explicit SampleBuffer(std::size_t capacity) : capacity_(capacity) {}
+
+  /// Puts a sample in its place. Returns the stamp from which on the contents have changed,
+  /// kNothing if they have not. gap_limit [s]: what counts as a gap.
+  double insert(Sample sample, double gap_limit) {
+    const double stamp = sample.stamp;
+    if (samples_.empty() || stamp > samples_.back().stamp) {
+      behind_ = 0;
+      if (!samples_.empty() && stamp - samples_.back().stamp > gap_limit) ++counts_.gaps;
+      samples_.push_back(std::move(sample));
+      ++counts_.accepted;
+      if (samples_.size() > capacity_) samples_.pop_front();
+      return stamp;
+    }
+    const bool far_behind = samples_.back().stamp - stamp > kClockJump;
+    behind_ = far_behind ? behind_ + 1 : 0;
+    const double changed_from = insertBetween(std::move(sample), far_behind);
+    if (behind_ < 3) return changed_from;
+    behind_ = 0;
+    ++counts_.clock_jumps;
+    samples_.erase(samples_.begin() + count(stamp), samples_.end());
+    return stamp;
+  }
+
+  /// Number of samples with a stamp up to `time` [s].
+  std::size_t count(double time) const {
+    const auto later = [](double value, const Sample& sample) { return value < sample.stamp; };
+    return std::upper_bound(samples_.begin(), samples_.end(), time, later) - samples_.begin();
+  }
+
+  /// The latest sample with a stamp up to `time` [s]; null if there is none.
+  const Sample* latest(double time) const {
+    const std::size_t n = count(time);
+    return n > 0 ? &samples_[n - 1] : nullptr;
+  }
+
+  /// Median interval of the latest samples [s]; 0 with fewer than three.
+  double period() const {
+    constexpr std::size_t kIntervals = 16;
+    if (samples_.size() < 3) return 0.0;
+    const std::size_t n = std::min(kIntervals, samples_.size() - 1);
+    std::vector<double> intervals(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t last = samples_.size() - 1 - i;
+      intervals[i] = samples_[last].stamp - samples_[last - 1].stamp;
+    }
+    std::nth_element(intervals.begin(), intervals.begin() + n / 2, intervals.end());
+    return intervals[n / 2];
+  }
+
+  bool empty() const { return samples_.empty(); }
+  std::size_t size() const { return samples_.size(); }
+  const Sample& operator[](std::size_t index) const { return samples_[index]; }
+  const Sample& back() const { return samples_.back(); }
+  const StampCounts& counts() const { return counts_; }
+
+  /// Forgets the samples; the counts stay.
+  void clear() {
+    samples_.clear();
+    behind_ = 0;
+  }
+
+ private:
+  double insertBetween(Sample sample, bool far_behind) {
+    const double stamp = sample.stamp;
+    const auto place = samples_.begin() + count(stamp);
+    if (place != samples_.begin() && (place - 1)->stamp == stamp) {
+      ++counts_.duplicates;
+      return kNothing;
+    }
+    if (place == samples_.begin() && samples_.size() >= capacity_ && !far_behind) {
+      ++counts_.too_late;
+      return kNothing;
+    }
+    if (!far_behind) ++counts_.out_of_order;
+    ++counts_.accepted;
+    samples_.insert(place, std::move(sample));
+    if (samples_.size() > capacity_ && !far_behind) samples_.pop_front();
+    return stamp;
+  }
+
+  std::size_t capacity_;
+  std::deque<Sample> samples_;
+  StampCounts counts_;
+  int behind_ = 0;
+};
+
+}  // namespace adaptive_grid_stereo
+
+#endif  // ADAPTIVE_GRID_STEREO_GUIDANCE_SAMPLE_BUFFER_H
