@@ -1,0 +1,255 @@
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <dynamic_reconfigure/server.h>
+#include <nodelet/nodelet.h>
+#include <ros/ros.h>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "adaptive_grid_stereo/ros/diagnostics.h"
+#include "adaptive_grid_stereo/ros/frame_processor.h"
+#include "adaptive_grid_stereo/ros/input_check.h"
+#include "adaptive_grid_stereo/ros/mailbox.h"
+#include "adaptive_grid_stereo/ros/motion_subscriber.h"
+#include "adaptive_grid_stereo/ros/parameters.h"
+#include "adaptive_grid_stereo/ros/stereo_sync.h"
+#include "outputs.h"
+#include "sentence_throttle.h"
+
+namespace adaptive_grid_stereo {
+
+/// Stereo pairs and motion in, disparity and grid state out.
+///
+/// Threads: images, reconfiguration, connections and timers run in the single-threaded queue,
+/// motion in the multi-threaded one. A worker thread owns the frame processor; it gets pairs
+/// through the mailbox and the configuration by copy at the start of a frame.
+class DisparityNodelet : public nodelet::Nodelet {
+ public:
+  ~DisparityNodelet() override;
+
+ private:
+  struct Frame {
+    StereoPair pair;
+    StereoGeometry geometry;
+    bool first_after_jump = false;
+  };
+  using FrameMailbox = Mailbox<Frame>;
+  using ReconfigureServer = dynamic_reconfigure::Server<DisparityConfig>;
+
+  void onInit() override;
+  void setUp();
+  void setUpSync();
+  void setUpReconfigure();
+  void reportStart(const std::vector<std::string>& warnings);
+
+  void onConnection();
+  void onPair(const StereoPair& pair);
+  void onJump();
+  void onReconfigure(DisparityConfig& reconfigure);
+  void fillReport(NodeReport& report);
+
+  void work();
+  void processFrame(const Frame& frame);
+
+  NodeConfig config_;  // single-threaded queue; its processor part under config_mutex_
+  std::mutex config_mutex_;
+  bool config_changed_ = false;  // under config_mutex_
+
+  std::unique_ptr<FrameProcessor> processor_;  // the worker's
+  std::unique_ptr<MotionSubscriber> motion_;
+  std::unique_ptr<NodeDiagnostics> diagnostics_;
+  std::unique_ptr<StereoSync> sync_;
+  std::mutex connect_mutex_;  // held while outputs_ is being made
+  std::unique_ptr<Outputs> outputs_;
+  std::unique_ptr<FrameMailbox> mailbox_;
+  boost::recursive_mutex reconfigure_mutex_;
+  std::unique_ptr<ReconfigureServer> reconfigure_;
+  std::thread worker_;
+
+  bool reconfigured_once_ = false;
+  bool jumped_ = false;
+  std::atomic<std::uint64_t> out_of_order_{0};
+  SentenceThrottle errors_{10.0};
+  SentenceThrottle oddities_{60.0};
+  SentenceThrottle failures_{10.0};  // the worker's
+};
+
+DisparityNodelet::~DisparityNodelet() {
+  // What could still call us goes first, then the worker, then the members.
+  if (outputs_) outputs_->stop();
+  reconfigure_.reset();
+  if (diagnostics_) diagnostics_->stop();
+  if (sync_) sync_->unsubscribe();
+  if (motion_) motion_->unsubscribe();
+  if (mailbox_) mailbox_->stop();
+  if (worker_.joinable()) worker_.join();
+}
+
+void DisparityNodelet::onInit() {
+  try {
+    setUp();
+  } catch (const std::exception& error) {
+    // The loader swallows the reason.
+    NODELET_FATAL("%s: %s", getName().c_str(), error.what());
+    throw;
+  }
+}
+
+void DisparityNodelet::setUp() {
+  ros::NodeHandle& private_handle = getPrivateNodeHandle();
+  std::vector<std::string> warnings;
+  config_ = readNodeConfig(privateParameters(private_handle), warnings);
+  processor_ = std::make_unique<FrameProcessor>(config_.processor);
+  motion_ = std::make_unique<MotionSubscriber>(config_.motion);
+  mailbox_ = std::make_unique<FrameMailbox>(
+      config_.process_every_frame ? FrameMailbox::Mode::kEvery : FrameMailbox::Mode::kNewest);
+  setUpSync();
+  diagnostics_ =
+      std::make_unique<NodeDiagnostics>(getNodeHandle(), private_handle, getName(),
+                                        [this](NodeReport& report) { fillReport(report); });
+  setUpReconfigure();
+  reportStart(warnings);
+  motion_->subscribe(getMTNodeHandle());
+  worker_ = std::thread([this] { work(); });
+  const std::lock_guard<std::mutex> lock(connect_mutex_);
+  outputs_ = std::make_unique<Outputs>(getNodeHandle(), [this] { onConnection(); });
+  if (!config_.lazy) sync_->subscribe();
+}
+
+void DisparityNodelet::setUpSync() {
+  SyncOptions options;
+  options.approximate = config_.approximate_sync;
+  options.max_interval = config_.approximate_sync_max_interval;
+  // Where every frame counts, a burst must not overrun the subscribers' queues.
+  options.queue_size =
+      config_.process_every_frame ? std::max(config_.queue_size, 100) : config_.queue_size;
+  options.image_transport = config_.image_transport;
+  sync_ = std::make_unique<StereoSync>(
+      getNodeHandle(), getPrivateNodeHandle(), options,
+      [this](const StereoPair& pair) { onPair(pair); }, [this] { onJump(); });
+}
+
+void DisparityNodelet::setUpReconfigure() {
+  reconfigure_ = std::make_unique<ReconfigureServer>(reconfigure_mutex_, getPrivateNodeHandle());
+  reconfigure_->setCallback(
+      [this](DisparityConfig& reconfigure, std::uint32_t) { onReconfigure(reconfigure); });
+}
+
+void DisparityNodelet::reportStart(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) NODELET_WARN("%s", warning.c_str());
+  NODELET_INFO("kernels: %s; %s", simdTarget().c_str(), toString(config_).c_str());
+  if (simdTarget() == "portable") {
+    NODELET_WARN("built without Google Highway: the matcher runs without SIMD and is slow");
+  }
+#ifndef NDEBUG
+  NODELET_WARN("debug build: the matcher is many times slower; build type Release flies");
+#endif
+}
+
+// Single-threaded queue ---------------------------------------------------------------------------
+
+void DisparityNodelet::onConnection() {
+  // The first connection may come while the publishers are still being made.
+  const std::lock_guard<std::mutex> lock(connect_mutex_);
+  if (!outputs_ || !config_.lazy) return;
+  if (outputs_->anybodyListens()) {
+    sync_->subscribe();
+  } else {
+    sync_->unsubscribe();
+  }
+}
+
+void DisparityNodelet::onPair(const StereoPair& pair) {
+  InputLimits limits;
+  limits.baseline = config_.baseline;
+  if (config_.approximate_sync) limits.max_stamp_difference = config_.approximate_sync_max_interval;
+  const InputVerdict verdict = checkPair(pair, limits, sync_->topics());
+  for (const std::string& warning : verdict.warnings) {
+    if (oddities_.pass(warning.substr(0, 24))) NODELET_WARN("%s", warning.c_str());
+  }
+  if (!verdict.ok()) {
+    diagnostics_->onRefused(verdict.error);
+    if (errors_.pass(std::to_string(static_cast<int>(verdict.fault)))) {
+      NODELET_ERROR("%s", verdict.error.c_str());
+    }
+    return;
+  }
+  diagnostics_->onGoodPair(verdict.geometry, pair.left->header.frame_id);
+  out_of_order_ = sync_->status().out_of_order;
+  diagnostics_->onReplaced(mailbox_->put(Frame{pair, verdict.geometry, jumped_}));
+  jumped_ = false;
+}
+
+void DisparityNodelet::onJump() {
+  diagnostics_->onReplaced(mailbox_->clear());
+  motion_->reset();
+  jumped_ = true;
+}
+
+void DisparityNodelet::onReconfigure(DisparityConfig& reconfigure) {
+  std::vector<std::string> warnings;
+  {
+    const std::lock_guard<std::mutex> lock(config_mutex_);
+    // The first call only repeats the parameter server, which was read, with its warnings, before.
+    if (reconfigured_once_) {
+      config_.processor = fromReconfigure(reconfigure, config_.processor, warnings);
+      config_changed_ = true;
+    }
+    reconfigured_once_ = true;
+    reconfigure = toReconfigure(config_.processor);
+  }
+  for (const std::string& warning : warnings) NODELET_WARN("%s", warning.c_str());
+}
+
+void DisparityNodelet::fillReport(NodeReport& report) {
+  report.sync = sync_->status();
+  report.motion_inputs = motion_->status();
+  report.expected_rate = config_.expected_rate;
+  report.min_density = config_.min_density;
+  const std::lock_guard<std::mutex> lock(config_mutex_);
+  report.target_period = config_.processor.target_period;
+  report.threads = config_.processor.matcher.threads;
+}
+
+// Worker ------------------------------------------------------------------------------------------
+
+void DisparityNodelet::work() {
+  Frame frame;
+  while (mailbox_->take(frame)) {
+    try {
+      processFrame(frame);
+    } catch (const std::exception& error) {
+      diagnostics_->onFailure(error.what());
+      if (failures_.pass(error.what())) {
+        NODELET_ERROR("a pair could not be processed and is dropped: %s", error.what());
+      }
+    }
+    frame = Frame();
+  }
+}
+
+void DisparityNodelet::processFrame(const Frame& frame) {
+  {
+    const std::lock_guard<std::mutex> lock(config_mutex_);
+    if (config_changed_) processor_->setConfig(config_.processor);
+    config_changed_ = false;
+  }
+  if (frame.first_after_jump) processor_->reset();
+  const std_msgs::Header& header = frame.pair.left->header;
+  const Motion motion = motion_->waitForMotion(header.stamp, header.frame_id);
+  FrameResult result = processor_->process(frame.pair, frame.geometry, motion, outputs_->wanted());
+  result.grid_state->latency = (ros::Time::now() - header.stamp).toSec();
+  result.grid_state->frames_dropped =
+      static_cast<std::uint32_t>(diagnostics_->lost() + out_of_order_);
+  outputs_->publish(result);
+  diagnostics_->onMotion(motion);
+  diagnostics_->onFrame(result);
+}
+
+}  // namespace adaptive_grid_stereo
+
+PLUGINLIB_EXPORT_CLASS(adaptive_grid_stereo::DisparityNodelet, nodelet::Nodelet)

@@ -1,0 +1,48 @@
+#include "outputs.h"
+
+namespace adaptive_grid_stereo {
+
+Outputs::Outputs(const ros::NodeHandle& handle, std::function<void()> on_change)
+    : handle_(handle), transport_(handle) {
+  const ros::SubscriberStatusCallback on_topic =
+      [on_change](const ros::SingleSubscriberPublisher&) { on_change(); };
+  const image_transport::SubscriberStatusCallback on_image =
+      [on_change](const image_transport::SingleSubscriberPublisher&) { on_change(); };
+  disparity_ = handle_.advertise<stereo_msgs::DisparityImage>("disparity", 1, on_topic, on_topic);
+  grid_state_ = handle_.advertise<GridState>("grid_state", 1, on_topic, on_topic);
+  depth_ = transport_.advertise("depth", 1, on_image, on_image);
+  overlay_ = transport_.advertise("grid_overlay", 1, on_image, on_image);
+  disparity_color_ = transport_.advertise("disparity_color", 1, on_image, on_image);
+}
+
+bool Outputs::anybodyListens() const {
+  const WantedOutputs side = wanted();
+  return disparity_.getNumSubscribers() > 0 || grid_state_.getNumSubscribers() > 0 || side.depth ||
+         side.overlay || side.disparity_color;
+}
+
+WantedOutputs Outputs::wanted() const {
+  WantedOutputs wanted;
+  wanted.depth = depth_.getNumSubscribers() > 0;
+  wanted.overlay = overlay_.getNumSubscribers() > 0;
+  wanted.disparity_color = disparity_color_.getNumSubscribers() > 0;
+  return wanted;
+}
+
+void Outputs::publish(const FrameResult& frame) const {
+  if (disparity_.getNumSubscribers() > 0) disparity_.publish(frame.disparity);
+  if (grid_state_.getNumSubscribers() > 0) grid_state_.publish(frame.grid_state);
+  if (frame.depth) depth_.publish(frame.depth);
+  if (frame.overlay) overlay_.publish(frame.overlay);
+  if (frame.disparity_color) disparity_color_.publish(frame.disparity_color);
+}
+
+void Outputs::stop() {
+  disparity_.shutdown();
+  grid_state_.shutdown();
+  depth_.shutdown();
+  overlay_.shutdown();
+  disparity_color_.shutdown();
+}
+
+}  // namespace adaptive_grid_stereo
