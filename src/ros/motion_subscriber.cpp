@@ -1,0 +1,252 @@
+#include "adaptive_grid_stereo/ros/motion_subscriber.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
+#include <tf2_ros/transform_listener.h>
+
+#include "adaptive_grid_stereo/guidance/motion_estimator.h"
+#include "adaptive_grid_stereo/guidance/motion_history.h"
+#include "motion_messages.h"
+#include "mounting_lookup.h"
+
+namespace adaptive_grid_stereo {
+
+namespace {
+
+constexpr double kTfCache = 30.0;         // [s]
+constexpr double kFutureTolerance = 0.1;  // [s] by which stamps may lie ahead of the clock
+/// Shortest time over which the gimbal's own rate is differenced [s].
+constexpr double kShortestInterval = 0.05;
+
+enum Source { kImu, kOdom, kGpsVel, kGpsFix, kMag, kSources };
+constexpr const char* kNames[kSources] = {"imu", "odom", "gps_vel", "gps_fix", "mag"};
+constexpr const char* kTopics[kSources] = {"imu", "odom", "gps/vel", "gps/fix", "mag"};
+
+}  // namespace
+
+struct MotionSubscriber::Impl {
+  explicit Impl(const MotionConfig& wanted)
+      : config(wanted), estimator(wanted), tf(ros::Duration(kTfCache)) {
+    config.validate();
+  }
+
+  template <typename Message>
+  void accept(Source source, const Message& message);
+  template <typename Message>
+  ros::Subscriber listen(ros::NodeHandle& nh, Source source);
+  void acceptTransforms(const tf2_msgs::TFMessage& message, bool is_static);
+  MotionConfig currentConfig() const {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return config;
+  }
+
+  mutable std::mutex mutex;  // of all that follows, down to the estimator
+  std::condition_variable arrived;
+  MotionConfig config;
+  MotionSourceStatus status[kSources];
+  std::string frames[kSources];  // of the latest message
+  std::string mounting = "not asked for yet";
+  MotionHistory history;
+  bool live = false;
+
+  MotionEstimator estimator;  // thread safe itself
+  tf2::BufferCore tf;         // likewise
+  std::unique_ptr<tf2_ros::TransformListener> tf_listener;
+  std::vector<ros::Subscriber> subscribers;
+};
+
+template <typename Message>
+void MotionSubscriber::Impl::accept(Source source, const Message& message) {
+  std::string error;
+  auto sample = toSample(message, &error);
+  const bool used = sample && estimator.add(*sample);
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    MotionSourceStatus& mine = status[source];
+    ++mine.received;
+    if (!used) {
+      ++mine.invalid;
+      mine.last_error = error;
+      return;
+    }
+    if (live && message.header.stamp > ros::Time::now() + ros::Duration(kFutureTolerance)) {
+      ++mine.future;
+    }
+    if constexpr (std::is_same_v<Message, sensor_msgs::Imu> ||
+                  std::is_same_v<Message, nav_msgs::Odometry>) {
+      frames[source] = sample->frame;
+    }
+  }
+  arrived.notify_all();
+}
+
+template <typename Message>
+ros::Subscriber MotionSubscriber::Impl::listen(ros::NodeHandle& nh, Source source) {
+  constexpr std::uint32_t kQueue = 200;
+  return nh.subscribe<Message>(kTopics[source], kQueue,
+                               boost::function<void(const boost::shared_ptr<const Message>&)>(
+                                   [this, source](const boost::shared_ptr<const Message>& message) {
+                                     accept(source, *message);
+                                   }),
+                               ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+}
+
+void MotionSubscriber::Impl::acceptTransforms(const tf2_msgs::TFMessage& message, bool is_static) {
+  for (geometry_msgs::TransformStamped transform : message.transforms) {
+    // setTransform refuses a NaN by itself and says so; an empty name would too.
+    if (!transform.child_frame_id.empty() && transform.child_frame_id[0] == '/') {
+      transform.child_frame_id.erase(0, 1);
+    }
+    if (!transform.header.frame_id.empty() && transform.header.frame_id[0] == '/') {
+      transform.header.frame_id.erase(0, 1);
+    }
+    tf.setTransform(transform, "bag", is_static);
+  }
+}
+
+MotionSubscriber::MotionSubscriber(const MotionConfig& config)
+    : impl_(std::make_unique<Impl>(config)) {
+  for (int i = 0; i < kSources; ++i) impl_->status[i].name = kNames[i];
+}
+
+MotionSubscriber::~MotionSubscriber() { unsubscribe(); }
+
+void MotionSubscriber::subscribe(ros::NodeHandle nh) {
+  unsubscribe();
+  std::vector<ros::Subscriber> subscribers(kSources);
+  subscribers[kImu] = impl_->listen<sensor_msgs::Imu>(nh, kImu);
+  subscribers[kOdom] = impl_->listen<nav_msgs::Odometry>(nh, kOdom);
+  subscribers[kGpsVel] = impl_->listen<geometry_msgs::TwistStamped>(nh, kGpsVel);
+  subscribers[kGpsFix] = impl_->listen<sensor_msgs::NavSatFix>(nh, kGpsFix);
+  subscribers[kMag] = impl_->listen<sensor_msgs::MagneticField>(nh, kMag);
+  impl_->tf_listener = std::make_unique<tf2_ros::TransformListener>(impl_->tf);
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  for (int i = 0; i < kSources; ++i) impl_->status[i].topic = subscribers[i].getTopic();
+  impl_->subscribers = std::move(subscribers);
+  impl_->live = true;
+}
+
+void MotionSubscriber::unsubscribe() {
+  std::vector<ros::Subscriber> subscribers;
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    subscribers.swap(impl_->subscribers);
+    impl_->live = false;
+  }
+  // Outside the lock, since shutting down waits for callbacks, which take it.
+  for (ros::Subscriber& subscriber : subscribers) subscriber.shutdown();
+  impl_->tf_listener.reset();
+}
+
+void MotionSubscriber::setConfig(const MotionConfig& config) {
+  impl_->estimator.setConfig(config);
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  impl_->config = config;
+  impl_->config.validate();
+}
+
+void MotionSubscriber::add(const sensor_msgs::Imu& message) { impl_->accept(kImu, message); }
+void MotionSubscriber::add(const nav_msgs::Odometry& message) { impl_->accept(kOdom, message); }
+void MotionSubscriber::add(const geometry_msgs::TwistStamped& message) {
+  impl_->accept(kGpsVel, message);
+}
+void MotionSubscriber::add(const sensor_msgs::NavSatFix& message) {
+  impl_->accept(kGpsFix, message);
+}
+void MotionSubscriber::add(const sensor_msgs::MagneticField& message) {
+  impl_->accept(kMag, message);
+}
+void MotionSubscriber::add(const tf2_msgs::TFMessage& message, bool is_static) {
+  impl_->acceptTransforms(message, is_static);
+}
+
+Motion MotionSubscriber::motionAt(const ros::Time& stamp, const std::string& left_optical_frame) {
+  const MotionConfig config = impl_->currentConfig();
+  std::string mounting_text = "no rates yet";
+  // A box of two time constants lags as much as the low-pass on the body's rates, so that a gimbal
+  // that turns against its aircraft cancels it.
+  const double interval = std::max(kShortestInterval, 2.0 * config.rate_filter_time);
+  const MountingLookup mounting = [&](const std::string& frame, double time) {
+    const auto found =
+        lookUpMounting(impl_->tf, left_optical_frame, frame, time, interval, config.motion_timeout);
+    mounting_text = !found ? "camera_rpy" : found->error.empty() ? "tf" : found->error;
+    return found;
+  };
+  const auto motion_at = [&](double time) { return impl_->estimator.estimate(time, mounting); };
+
+  MotionHistory history;
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    history = impl_->history;
+  }
+  Motion motion = history.ask(stamp.toSec(), motion_at);
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  impl_->history = history;
+  impl_->mounting = mounting_text;
+  return motion;
+}
+
+bool MotionSubscriber::ready(const ros::Time& stamp, const std::string& left_optical_frame) const {
+  if (!impl_->estimator.ready(stamp.toSec())) return false;
+  std::string body;
+  double timeout = 0.0;
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    const MotionConfig& config = impl_->config;
+    timeout = config.motion_timeout;
+    body = config.body_frame;
+    if (body.empty()) {
+      const bool odom = config.rate_source == "odom" || impl_->frames[kImu].empty();
+      body = impl_->frames[odom ? kOdom : kImu];
+    }
+  }
+  return mountingReady(impl_->tf, left_optical_frame, body, stamp.toSec(), timeout);
+}
+
+Motion MotionSubscriber::waitForMotion(const ros::Time& stamp,
+                                       const std::string& left_optical_frame) {
+  using Clock = std::chrono::steady_clock;
+  const double limit = impl_->currentConfig().motion_wait;
+  const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                      std::chrono::duration<double>(limit));
+  while (!ready(stamp, left_optical_frame) && Clock::now() < end) {
+    // The time limit covers transforms, which arrive without a notification.
+    std::unique_lock<std::mutex> lock(impl_->mutex);
+    impl_->arrived.wait_until(lock, std::min(end, Clock::now() + std::chrono::milliseconds(2)));
+  }
+  return motionAt(stamp, left_optical_frame);
+}
+
+void MotionSubscriber::reset() {
+  impl_->estimator.reset();
+  impl_->tf.clear();
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  impl_->history.reset();
+}
+
+MotionInputStatus MotionSubscriber::status() const {
+  const EstimatorReport report = impl_->estimator.report();
+  const SourceReport* reports[kSources] = {&report.imu, &report.odom, &report.gps_vel,
+                                           &report.gps_fix, &report.mag};
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  MotionInputStatus result;
+  result.mounting = impl_->mounting;
+  for (int i = 0; i < kSources; ++i) {
+    MotionSourceStatus source = impl_->status[i];
+    source.duplicates = reports[i]->counts.duplicates;
+    source.out_of_order = reports[i]->counts.out_of_order + reports[i]->counts.too_late;
+    source.gaps = reports[i]->counts.gaps;
+    source.clock_jumps = reports[i]->counts.clock_jumps;
+    source.last_stamp = reports[i]->last_stamp;
+    source.rate = reports[i]->period > 0.0 ? 1.0 / reports[i]->period : 0.0;
+    result.sources.push_back(source);
+  }
+  return result;
+}
+
+}  // namespace adaptive_grid_stereo

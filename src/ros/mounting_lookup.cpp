@@ -1,0 +1,91 @@
+#include "mounting_lookup.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/time.h>
+#include <tf2/exceptions.h>
+
+namespace adaptive_grid_stereo {
+
+namespace {
+
+/// TF2 refuses names that start with a slash, which old drivers still send.
+std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
+}
+
+Eigen::Quaterniond rotationOf(const geometry_msgs::TransformStamped& transform) {
+  const geometry_msgs::Quaternion& q = transform.transform.rotation;
+  return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();
+}
+
+bool representable(double stamp) {
+  return std::isfinite(stamp) && stamp > 0.0 && stamp < 4294967295.0;
+}
+
+/// Rate of the optical frame against the body, in the optical frame: its orientation on the body is
+/// the inverse of optical_from_body.
+Eigen::Vector3d rateBetween(const Eigen::Quaterniond& before, const Eigen::Quaterniond& now,
+                            double interval) {
+  const Eigen::AngleAxisd turn(before * now.conjugate());
+  double angle = turn.angle();
+  if (angle > M_PI) angle -= 2.0 * M_PI;
+  return turn.axis() * (angle / interval);
+}
+
+}  // namespace
+
+std::optional<Mounting> lookUpMounting(const tf2::BufferCore& tf, const std::string& optical_frame,
+                                       const std::string& body_frame, double stamp, double interval,
+                                       double timeout) {
+  const std::string optical = withoutSlash(optical_frame), body = withoutSlash(body_frame);
+  if (optical.empty() || body.empty() || !representable(stamp)) return std::nullopt;
+  if (!tf.canTransform(optical, body, ros::Time(0))) return std::nullopt;
+  Mounting mounting;
+  try {
+    double at = stamp;
+    if (!tf.canTransform(optical, body, ros::Time(stamp))) {
+      const double latest = tf.lookupTransform(optical, body, ros::Time(0)).header.stamp.toSec();
+      if (std::abs(stamp - latest) > timeout) {
+        char age[64];
+        std::snprintf(age, sizeof(age), "%.2f s %s", std::abs(stamp - latest),
+                      stamp > latest ? "old" : "ahead of the image");
+        mounting.error = "the transform from '" + body + "' to '" + optical + "' is " + age +
+                         "; is the gimbal's TF still published?";
+        return mounting;
+      }
+      at = latest;
+    }
+    mounting.optical_from_body = rotationOf(tf.lookupTransform(optical, body, ros::Time(at)));
+    if (interval > 0.0 && representable(at - interval) &&
+        tf.canTransform(optical, body, ros::Time(at - interval))) {
+      const auto before = tf.lookupTransform(optical, body, ros::Time(at - interval));
+      mounting.relative_rate =
+          rateBetween(rotationOf(before), mounting.optical_from_body, interval);
+    }
+  } catch (const tf2::TransformException& e) {
+    mounting.error = std::string("TF: ") + e.what();
+  }
+  if (!mounting.optical_from_body.coeffs().allFinite() || !mounting.relative_rate.allFinite()) {
+    mounting.error = "the transform from '" + body + "' to '" + optical + "' holds NaN";
+  }
+  return mounting;
+}
+
+bool mountingReady(const tf2::BufferCore& tf, const std::string& optical_frame,
+                   const std::string& body_frame, double stamp, double timeout) {
+  const std::string optical = withoutSlash(optical_frame), body = withoutSlash(body_frame);
+  if (optical.empty() || body.empty() || !representable(stamp)) return true;
+  if (!tf.canTransform(optical, body, ros::Time(0))) return true;
+  if (tf.canTransform(optical, body, ros::Time(stamp))) return true;
+  try {
+    const double latest = tf.lookupTransform(optical, body, ros::Time(0)).header.stamp.toSec();
+    return std::abs(stamp - latest) > timeout;
+  } catch (const tf2::TransformException&) {
+    return true;
+  }
+}
+
+}  // namespace adaptive_grid_stereo
