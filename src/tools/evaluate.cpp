@@ -46,7 +46,7 @@ bool readOptions(int argc, char** argv, Options* o) {
       "  evaluate middlebury --methods 'uniform|forward' --penalty-small 12 --repeat 1\n"};
   po::options_description what("what to run");
   what.add_options()("speeds", po::value(&o->speeds)->multitoken()->value_name("V..."),
-                     "forward speeds to plan for [m/s]; half and all of --max-speed if not given")(
+                     "forward speeds to plan for [m/s]; a sixth and all of --max-speed if not given")(
       "no-peers", po::bool_switch(&o->no_peers), "leave OpenCV's matchers out")(
       "methods", po::value(&o->methods)->value_name("REGEX"),
       "only methods in whose name this is found, e.g. 'uniform 16|SGBM'")(
@@ -83,7 +83,7 @@ std::regex regexOf(const std::string& option, const std::string& text) {
 
 void chooseMethods(Options* o) {
   if (o->speeds.empty()) {
-    o->speeds = {o->evaluation.guidance.max_speed / 2, o->evaluation.guidance.max_speed};
+    o->speeds = {o->evaluation.guidance.max_speed / 6, o->evaluation.guidance.max_speed};
   }
   const std::regex filter = regexOf("--methods", o->methods);
   for (const double speed : o->speeds) {

@@ -1,0 +1,145 @@
+#include "comparison.h"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include <opencv2/core/utility.hpp>
+
+#include "evaluation.h"
+#include "motion_plan.h"
+#include "peers.h"
+
+namespace adaptive_grid_stereo {
+namespace {
+
+struct NamedPlan {
+  std::string name;
+  PathPlan plan;
+};
+
+std::vector<NamedPlan> plansFor(cv::Size size) {
+  const GuidanceConfig guidance;
+  const double v = guidance.max_speed;
+  const auto moving = [&](double yaw_rate, double pitch_rate) {
+    return planForMotion({v, yaw_rate, pitch_rate}, guidance, size).plan;
+  };
+  return {{"uniform 16", uniformPlan(size.width, size.height, 16)},
+          {"uniform 8", uniformPlan(size.width, size.height, 8)},
+          {"uniform 4", uniformPlan(size.width, size.height, 4)},
+          {"forward", moving(0.0, 0.0)},
+          {"yaw left", moving(guidance.max_yaw_rate, 0.0)},
+          {"pitch up", moving(0.0, guidance.max_pitch_rate)}};
+}
+
+constexpr long kPlans = 6;
+
+double elapsedMs(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+/// Everything with one number of threads, each with its own buffers.
+class Contestants {
+ public:
+  Contestants(const Setting& setting, int threads) : setting_(setting), threads_(threads) {
+    MatcherConfig config;
+    config.disparity_range = setting.disparity_range;
+    config.threads = threads;
+    matcher_ = std::make_unique<StereoMatcher>(config);
+    plans_ = plansFor(setting.left.size());
+    for (const NamedPlan& plan : plans_) addSeries(plan.name, meanPaths(plan.plan));
+    for (const PeerKind kind : kAllPeers) {
+      peers_.emplace_back(kind, false, setting.disparity_range);
+      addSeries(peers_.back().name(), 0.0);
+    }
+  }
+
+  void runRound(bool counted, const std::function<void()>& step) {
+    cv::setNumThreads(threads_);
+    for (std::size_t i = 0; i < plans_.size(); ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      const MatchResult& result = matcher_->match(setting_.left, setting_.right, plans_[i].plan);
+      const double time = elapsedMs(start);
+      if (counted) {
+        series_[i].time_ms.push_back(time);
+        series_[i].stages.push_back(result.times);
+      }
+      step();
+    }
+    for (std::size_t i = 0; i < peers_.size(); ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      peers_[i].match(setting_.left, setting_.right);
+      const double time = elapsedMs(start);
+      if (counted) series_[plans_.size() + i].time_ms.push_back(time);
+      step();
+    }
+  }
+
+  const std::vector<Series>& series() const { return series_; }
+
+ private:
+  void addSeries(const std::string& method, double mean_paths) {
+    Series series;
+    series.setting = nameOf(setting_);
+    series.method = method;
+    series.threads = threads_;
+    series.mean_paths = mean_paths;
+    series_.push_back(series);
+  }
+
+  const Setting& setting_;
+  int threads_;
+  std::unique_ptr<StereoMatcher> matcher_;
+  std::vector<NamedPlan> plans_;
+  std::vector<Peer> peers_;
+  std::vector<Series> series_;
+};
+
+}  // namespace
+
+std::string nameOf(const Setting& setting) {
+  return std::to_string(setting.width) + "x" + std::to_string(setting.height) + "x" +
+         std::to_string(setting.disparity_range);
+}
+
+std::vector<Series> compare(const Setting& setting, const std::vector<int>& threads, int rounds,
+                            const std::function<void()>& step) {
+  std::vector<std::unique_ptr<Contestants>> contestants;
+  for (const int count : threads) {
+    contestants.push_back(std::make_unique<Contestants>(setting, count));
+  }
+  for (int round = -1; round < rounds; ++round) {
+    for (const auto& one : contestants) one->runRound(round >= 0, step);
+  }
+  std::vector<Series> all;
+  for (const auto& one : contestants) {
+    all.insert(all.end(), one->series().begin(), one->series().end());
+  }
+  return all;
+}
+
+long runsOf(const std::vector<int>& threads, int rounds) {
+  const long methods = kPlans + static_cast<long>(std::size(kAllPeers));
+  return methods * static_cast<long>(threads.size()) * (rounds + 1);
+}
+
+const Series* find(const std::vector<Series>& all, const std::string& setting,
+                   const std::string& method, int threads) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Series& series) {
+    return series.setting == setting && series.method == method && series.threads == threads;
+  });
+  return found == all.end() ? nullptr : &*found;
+}
+
+double medianTime(const Series& series) { return medianOf(series.time_ms); }
+
+double medianRatio(const Series& a, const Series& b) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < std::min(a.time_ms.size(), b.time_ms.size()); ++i) {
+    ratios.push_back(a.time_ms[i] / b.time_ms[i]);
+  }
+  return medianOf(ratios);
+}
+
+}  // namespace adaptive_grid_stereo

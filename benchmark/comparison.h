@@ -1,0 +1,58 @@
+#ifndef ADAPTIVE_GRID_STEREO_BENCHMARK_COMPARISON_H
+#define ADAPTIVE_GRID_STEREO_BENCHMARK_COMPARISON_H
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "adaptive_grid_stereo/matching/stereo_matcher.h"
+
+namespace adaptive_grid_stereo {
+
+/// One size of the comparison.
+struct Setting {
+  int width = 0;
+  int height = 0;
+  int disparity_range = 0;
+  std::string images;  // what was matched: "textured", or the scene's name
+  cv::Mat left;
+  cv::Mat right;
+};
+
+/// E.g. "450x375x64".
+std::string nameOf(const Setting& setting);
+
+/// One method with one number of threads: a time per round.
+struct Series {
+  std::string setting;  // nameOf()
+  std::string method;   // "uniform 16", "forward", ..., "StereoBM", "SGBM", ...
+  int threads = 1;
+  double mean_paths = 0.0;  // of ours; 0 for peers
+  std::vector<double> time_ms;
+  std::vector<StageTimes> stages;  // of ours
+};
+
+/// Runs ours (uniform 16, 8, 4, forward at V_max, yaw left, pitch up) and OpenCV's matchers with
+/// each number of threads, in rounds: within a round all take turns, so that a slow spell of the
+/// machine meets all of them. One round before the first is not counted. `step` is called after
+/// each run.
+std::vector<Series> compare(const Setting& setting, const std::vector<int>& threads, int rounds,
+                            const std::function<void()>& step);
+
+/// Number of runs that compare() makes, for a progress bar.
+long runsOf(const std::vector<int>& threads, int rounds);
+
+/// The series of that name, or nullptr.
+const Series* find(const std::vector<Series>& all, const std::string& setting,
+                   const std::string& method, int threads);
+
+double medianTime(const Series& series);
+
+/// Median over the rounds of a's time divided by b's.
+double medianRatio(const Series& a, const Series& b);
+
+}  // namespace adaptive_grid_stereo
+
+#endif  // ADAPTIVE_GRID_STEREO_BENCHMARK_COMPARISON_H
