@@ -37,13 +37,13 @@ class Builder {
       case Manoeuvre::kForward:
         return forward();
       case Manoeuvre::kYawLeft:
-        return turn(1.35, 3.7);
+        return turn(1.25, 3.5);
       case Manoeuvre::kYawRight:
-        return turn(-1.35, 3.7);
+        return turn(-1.25, 3.5);
       case Manoeuvre::kPitchUp:
-        return pitch(0.38, speed_);
+        return pitch(0.5, speed_);
       case Manoeuvre::kPitchDown:
-        return pitch(-0.38, std::max(speed_, kDiveSpeed));
+        return pitch(-0.5, std::max(speed_, kDiveSpeed));
       case Manoeuvre::kYawPitch:
         turn(steep_side_ * 1.85, 3.6);
         steep_side_ = -steep_side_;
@@ -75,9 +75,9 @@ class Builder {
   void forward() {
     // Slow again before the next round of turns, else faster.
     const double target = speed_ >= kFastSpeed ? kTurnSpeed : kFastSpeed;
-    const double length = std::max(1.8, std::abs(target - speed_) / 3.0 + 0.5);
+    const double length = std::max(1.8, std::abs(target - speed_) / 3.5 + 0.5);
     if (first_forward_ && speed_ <= kTurnSpeed) {
-      time_ += 1.0;  // a moment of steady flight after take-off
+      time_ += 0.6;  // a moment of steady flight after take-off
     } else {
       changeSpeed(time_, time_ + length, 0.5, target);
       time_ += length;
@@ -90,11 +90,11 @@ class Builder {
     time_ += length;
   }
 
-  // Sharply at 0.42 rad/s, then back to level at 0.18 rad/s, which no threshold notices.
+  // Sharply at 0.42 rad/s, then back to level at 0.20 rad/s, which no threshold notices.
   void pitch(double change, double end_speed) {
     constexpr double kRamp = 0.45;
     const double sharp = std::abs(change) / 0.42 + kRamp;
-    const double gentle = std::abs(change) / 0.18 + kRamp;
+    const double gentle = std::abs(change) / 0.20 + kRamp;
     climb_.addChange(time_, time_ + sharp, kRamp, change);
     climb_.addChange(time_ + sharp, time_ + sharp + gentle, kRamp, -change);
     changeSpeed(time_, time_ + sharp + gentle, 0.6, end_speed);
