@@ -9,7 +9,6 @@
 #include <boost/program_options.hpp>
 
 #include "adaptive_grid_stereo/guidance/guidance_config.h"
-#include "adaptive_grid_stereo/guidance/motion_config.h"
 #include "adaptive_grid_stereo/matching/matcher_config.h"
 
 namespace adaptive_grid_stereo {
@@ -25,7 +24,13 @@ class UsageError : public std::runtime_error {
 /// must outlive the parsing.
 boost::program_options::options_description matcherOptions(MatcherConfig* config);
 boost::program_options::options_description guidanceOptions(GuidanceConfig* config);
-boost::program_options::options_description motionOptions(MotionConfig* config);
+
+/// The option of a ROS parameter: "disparity_range" -> "disparity-range", "disp12MaxDiff" ->
+/// "disp12-max-diff".
+std::string optionName(const std::string& parameter);
+
+/// What a parameter does, with its unit, for `--help`; "" if it is unknown.
+std::string parameterHelp(const std::string& parameter);
 
 /// What one tool says about itself.
 struct ToolHelp {

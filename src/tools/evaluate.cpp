@@ -45,8 +45,9 @@ bool readOptions(int argc, char** argv, Options* o) {
       "  evaluate middlebury kitti2012 --output results\n"
       "  evaluate middlebury --methods 'uniform|forward' --penalty-small 12 --repeat 1\n"};
   po::options_description what("what to run");
-  what.add_options()("speeds", po::value(&o->speeds)->multitoken()->value_name("V..."),
-                     "forward speeds to plan for [m/s]; a sixth and all of --max-speed if not given")(
+  what.add_options()(
+      "speeds", po::value(&o->speeds)->multitoken()->value_name("V..."),
+      "forward speeds to plan for [m/s]; a sixth and all of --max-speed if not given")(
       "no-peers", po::bool_switch(&o->no_peers), "leave OpenCV's matchers out")(
       "methods", po::value(&o->methods)->value_name("REGEX"),
       "only methods in whose name this is found, e.g. 'uniform 16|SGBM'")(

@@ -1,0 +1,50 @@
+#ifndef ADAPTIVE_GRID_STEREO_TOOLS_MOTION_LOG_H
+#define ADAPTIVE_GRID_STEREO_TOOLS_MOTION_LOG_H
+
+#include <functional>
+#include <string>
+
+#include <rosbag/bag.h>
+#include <rosbag/message_instance.h>
+#include <boost/program_options.hpp>
+
+#include "adaptive_grid_stereo/guidance/motion.h"
+#include "adaptive_grid_stereo/ros/motion_subscriber.h"
+
+namespace adaptive_grid_stereo {
+
+/// Topics of a bag that carry motion; empty: none.
+struct MotionTopics {
+  std::string imu, odom, gps_vel, gps_fix, mag;
+};
+
+/// Options --imu-topic, --odom-topic, --gps-vel-topic, --gps-fix-topic, --mag-topic for `topics`.
+boost::program_options::options_description motionTopicOptions(MotionTopics* topics);
+
+/// Fills in what is empty by the messages' types: of several topics of one type, the one that the
+/// flight stacks offer as the better (an Imu with orientation before a raw one, odometry of the
+/// body before that of the GPS), else the one with the most messages. "none" leaves a source out.
+MotionTopics chooseMotionTopics(const rosbag::Bag& bag, MotionTopics topics);
+
+/// Gives a message to the subscriber if it stands on one of the topics, or on /tf or /tf_static.
+/// Returns whether it did.
+bool feedMotion(const rosbag::MessageInstance& message, const MotionTopics& topics,
+                MotionSubscriber* subscriber);
+
+/// How a log is gone through.
+struct MotionReplay {
+  MotionTopics topics;
+  std::string optical_frame;  // of the left camera; empty: the mounting is camera_rpy
+  double rate = 25.0;         // questions per second
+  /// Called for each message before it is used; may be empty.
+  std::function<void(const rosbag::MessageInstance&)> before_message;
+};
+
+/// Plays a bag's motion into the subscriber and asks it `rate` times a second (at multiples of
+/// 1/rate), as a live node would for images with such stamps. Throws rosbag::BagException.
+void replayMotion(const rosbag::Bag& bag, const MotionReplay& replay, MotionSubscriber* subscriber,
+                  const std::function<void(double stamp, const Motion& motion)>& answer);
+
+}  // namespace adaptive_grid_stereo
+
+#endif  // ADAPTIVE_GRID_STEREO_TOOLS_MOTION_LOG_H
