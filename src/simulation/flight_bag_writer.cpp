@@ -23,6 +23,10 @@ constexpr char kBodyFrame[] = "base_link";
 constexpr char kLeftFrame[] = "stereo_left_optical";
 constexpr char kRightFrame[] = "stereo_right_optical";
 
+// Images arrive so long after their stamp, so that the motion of the same instant comes before them
+// in the bag, too: players order messages by their time of arrival alone.
+const ros::Duration kReadout(0.001);
+
 template <typename Vector>
 void copyVector(const Eigen::Vector3d& from, Vector* to) {
   to->x = from.x();
@@ -130,9 +134,9 @@ ros::Time FlightBagWriter::stampAt(double time) const {
 }
 
 template <typename Message>
-void FlightBagWriter::put(const std::string& topic, const ros::Time& stamp,
+void FlightBagWriter::put(const std::string& topic, const ros::Time& arrival,
                           const Message& message) {
-  bag_.write(topic, stamp, message);
+  bag_.write(topic, arrival, message);
 }
 
 void FlightBagWriter::writeStaticTransforms() {
@@ -248,8 +252,8 @@ void FlightBagWriter::writeTruth(const StereoFrame& frame, const ros::Time& stam
   }
   truth.max_disparity = std::ceil(largest);
   truth.delta_d = 1e-4f;
-  put("/ground_truth/disparity", stamp, truth);
-  put("/ground_truth/occlusion", stamp,
+  put("/ground_truth/disparity", stamp + kReadout, truth);
+  put("/ground_truth/occlusion", stamp + kReadout,
       makeImage(frame.occlusion, sensor_msgs::image_encodings::MONO8, kLeftFrame, stamp));
 }
 
@@ -259,10 +263,10 @@ void FlightBagWriter::writeFrame(const StereoFrame& frame, double time) {
     const std::string side = right ? "/stereo/right/" : "/stereo/left/";
     sensor_msgs::CameraInfo info = makeCameraInfo(config_.rig, right);
     info.header.stamp = stamp;
-    put(side + "image_rect", stamp,
+    put(side + "image_rect", stamp + kReadout,
         makeImage(right ? frame.right : frame.left, sensor_msgs::image_encodings::MONO8,
                   info.header.frame_id, stamp));
-    put(side + "camera_info", stamp, info);
+    put(side + "camera_info", stamp + kReadout, info);
   }
   if (config_.write_truth) writeTruth(frame, stamp);
 }

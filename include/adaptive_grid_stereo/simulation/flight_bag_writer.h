@@ -63,7 +63,7 @@ class FlightBagWriter {
  private:
   ros::Time stampAt(double time) const;
   template <typename Message>
-  void put(const std::string& topic, const ros::Time& stamp, const Message& message);
+  void put(const std::string& topic, const ros::Time& arrival, const Message& message);
   void writeStaticTransforms();
   void writeSensors(const Trajectory& flight, const Sensors& sensors, std::int64_t tick);
   void writeImu(const FlightSample& truth, const Sensors& sensors, std::uint64_t index);
