@@ -1,41 +1,147 @@
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
 
-#include "../../test/reference/reference_matcher.h"
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include "adaptive_grid_stereo/matching/census.h"
+#include "adaptive_grid_stereo/matching/padded_image.h"
+#include "adaptive_grid_stereo/matching/refinement.h"
+#include "adaptive_grid_stereo/matching/simd_target.h"
+#include "src/matching/aligned_buffer.h"
+
+#include "src/matching/sweeps.h"
+#include "src/matching/thread_pool.h"
 
 namespace adaptive_grid_stereo {
-
-struct StereoMatcher::Impl {
-  MatcherConfig config;
-  MatchResult result;
-};
-
 namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
 void checkConfig(const MatcherConfig& config) {
   MatcherConfig legal = config;
   const std::vector<std::string> sentences = legal.validate();
   if (!sentences.empty()) throw std::invalid_argument(sentences.front());
 }
+
+std::string describe(const cv::Mat& image) {
+  return std::to_string(image.cols) + "x" + std::to_string(image.rows) + " " +
+         cv::typeToString(image.type());
+}
+
+void checkImages(const cv::Mat& left, const cv::Mat& right) {
+  if (left.type() != CV_8UC1 || right.type() != CV_8UC1 || left.size() != right.size() ||
+      left.cols < kMinImageSide || left.rows < kMinImageSide) {
+    throw std::invalid_argument("left image is " + describe(left) + ", right image is " +
+                                describe(right) + "; expected two CV_8UC1 images of one size, " +
+                                std::to_string(kMinImageSide) + " pixels a side at least");
+  }
+}
+
+int threadCount(const MatcherConfig& config) {
+  if (config.threads > 0) return config.threads;
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 64);
+}
+
 }  // namespace
 
-StereoMatcher::StereoMatcher(const MatcherConfig& config) : impl_(new Impl) { setConfig(config); }
+struct StereoMatcher::Impl {
+  MatcherConfig config;
+  MatchResult result;
+  std::unique_ptr<ThreadPool> pool;
+  PaddedImage left, left_mirrored, right_mirrored;
+  AlignedBuffer<std::uint8_t> left_census, right_census;
+  Sweeps sweeps;
+  RegionBuffers regions;
+  cv::Mat unfiltered;
+
+  void transform(const cv::Mat& left_image, const cv::Mat& right_image);
+  void refine();
+};
+
+StereoMatcher::StereoMatcher(const MatcherConfig& config) : impl_(new Impl) {
+  simdTarget();  // finds out now what the CPU has, so that the first frame does not pay for it
+  setConfig(config);
+}
+
 StereoMatcher::~StereoMatcher() = default;
+
 void StereoMatcher::setConfig(const MatcherConfig& config) {
   checkConfig(config);
   impl_->config = config;
+  const int threads = threadCount(config);
+  if (!impl_->pool || impl_->pool->size() != threads) impl_->pool.reset(new ThreadPool(threads));
 }
+
 const MatcherConfig& StereoMatcher::config() const { return impl_->config; }
+
+void StereoMatcher::Impl::transform(const cv::Mat& left_image, const cv::Mat& right_image) {
+  left.assign(left_image, false);
+  left_mirrored.assign(left_image, true);
+  right_mirrored.assign(right_image, true);
+  const int height = left_image.rows;
+  const std::size_t row_bytes = censusPlanes(config.census_window) * censusStride(left_image.cols);
+  left_census.reserve(row_bytes * height);
+  right_census.reserve(row_bytes * height);
+  const int threads = pool->size();
+  pool->run([&](int thread) {
+    const int begin = height * thread / threads, end = height * (thread + 1) / threads;
+    for (int y = begin; y < end; ++y) {
+      censusRow(left, false, y, config.census_window, left_census.data() + y * row_bytes);
+      censusRow(right_mirrored, true, y, config.census_window, right_census.data() + y * row_bytes);
+    }
+  });
+}
+
+void StereoMatcher::Impl::refine() {
+  if (config.speckle_size > 0) {
+    removeSmallRegions(config.speckle_size, config.speckle_range * kDisparityScale, &regions,
+                       &unfiltered);
+  }
+  if (!config.median_filter) {
+    unfiltered.copyTo(result.disparity);
+    return;
+  }
+  const int threads = pool->size(), height = unfiltered.rows;
+  pool->run([&](int thread) {
+    medianOfValid(unfiltered, height * thread / threads, height * (thread + 1) / threads,
+                  &result.disparity);
+  });
+}
 
 const MatchResult& StereoMatcher::match(const cv::Mat& left, const cv::Mat& right,
                                         const PathPlan& plan) {
-  if (left.type() != CV_8UC1 || right.type() != CV_8UC1 || left.size() != right.size() ||
-      left.cols < kMinImageSide || left.rows < kMinImageSide) {
-    throw std::invalid_argument("images must be CV_8UC1 of one size");
-  }
+  checkImages(left, right);
   checkPlan(plan, left.cols, left.rows);
-  impl_->result.disparity = reference::match(left, right, plan, impl_->config);
-  impl_->result.min_disparity = impl_->config.min_disparity;
-  impl_->result.disparity_range = impl_->config.disparity_range;
-  return impl_->result;
+  Impl& impl = *impl_;
+  MatchResult& result = impl.result;
+  const Clock::time_point start = Clock::now();
+
+  impl.transform(left, right);
+  result.times.census = millisecondsSince(start);
+
+  const Clock::time_point sweeps_start = Clock::now();
+  impl.unfiltered.create(left.size(), CV_16SC1);
+  result.disparity.create(left.size(), CV_16SC1);
+  impl.sweeps.prepare(left.cols, left.rows, impl.config, impl.pool->size());
+  impl.sweeps.run(
+      {&impl.left, &impl.left_mirrored, impl.left_census.data(), impl.right_census.data()}, plan,
+      impl.pool.get(), &impl.unfiltered);
+  result.times.sweeps = millisecondsSince(sweeps_start);
+
+  const Clock::time_point refinement_start = Clock::now();
+  impl.refine();
+  result.times.refinement = millisecondsSince(refinement_start);
+
+  result.min_disparity = impl.config.min_disparity;
+  result.disparity_range = impl.config.disparity_range;
+  result.times.total = millisecondsSince(start);
+  return result;
 }
 
 cv::Mat toFloatDisparity(const MatchResult& result) {
@@ -43,7 +149,5 @@ cv::Mat toFloatDisparity(const MatchResult& result) {
   result.disparity.convertTo(disparity, CV_32F, 1.0 / kDisparityScale, result.min_disparity);
   return disparity;
 }
-
-std::string simdTarget() { return "portable"; }
 
 }  // namespace adaptive_grid_stereo

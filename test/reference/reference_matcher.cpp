@@ -39,11 +39,10 @@ Volume matchingCost(const std::vector<std::uint64_t>& left, const std::vector<st
     for (int x = 0; x < width; ++x) {
       for (int k = 0; k < cost.range; ++k) {
         const int u = x - (config.min_disparity + k);
-        cost.at(x, y, k) =
-            u >= 0 && u < width
-                ? __builtin_popcountll(left[static_cast<size_t>(y) * width + x] ^
-                                       right[static_cast<size_t>(y) * width + u])
-                : static_cast<int>(config.census_window);
+        cost.at(x, y, k) = u >= 0 && u < width
+                               ? __builtin_popcountll(left[static_cast<size_t>(y) * width + x] ^
+                                                      right[static_cast<size_t>(y) * width + u])
+                               : static_cast<int>(config.census_window);
       }
     }
   }
@@ -57,9 +56,22 @@ int largePenalty(int grey_step, const MatcherConfig& config) {
 }
 
 const std::array<cv::Point, 16>& directions() {
-  static const std::array<cv::Point, 16> kDirections = {
-      {{1, 0},  {-1, 0},  {0, 1},  {0, -1},  {1, 1},  {-1, -1}, {-1, 1}, {1, -1},
-       {2, 1},  {-2, -1}, {-2, 1}, {2, -1},  {1, 2},  {-1, -2}, {-1, 2}, {1, -2}}};
+  static const std::array<cv::Point, 16> kDirections = {{{1, 0},
+                                                         {-1, 0},
+                                                         {0, 1},
+                                                         {0, -1},
+                                                         {1, 1},
+                                                         {-1, -1},
+                                                         {-1, 1},
+                                                         {1, -1},
+                                                         {2, 1},
+                                                         {-2, -1},
+                                                         {-2, 1},
+                                                         {2, -1},
+                                                         {1, 2},
+                                                         {-1, -2},
+                                                         {-1, 2},
+                                                         {1, -2}}};
   return kDirections;
 }
 
@@ -190,8 +202,8 @@ cv::Mat select(const Volume& sums, const PathPlan& plan, const MatcherConfig& co
 
 namespace {
 
-// Four-connected regions of valid pixels whose neighbours differ by at most max_step; those of at most
-// max_size pixels become invalid.
+// Four-connected regions of valid pixels whose neighbours differ by at most max_step; those of at
+// most max_size pixels become invalid.
 void removeSmallRegions(int max_size, int max_step, cv::Mat* disparity) {
   cv::Mat seen(disparity->size(), CV_8UC1, cv::Scalar(0));
   for (int y = 0; y < disparity->rows; ++y) {

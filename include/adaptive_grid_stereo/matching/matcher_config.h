@@ -19,8 +19,9 @@ CensusWindow censusWindowFromString(const std::string& name);
 constexpr int kDisparityShift = 4;
 constexpr int kDisparityScale = 1 << kDisparityShift;
 
-/// Path costs live in 8 bits: largest Hamming distance (62) + largest P2 must not exceed 255, and the
-/// sums of one sweep share 16 bits with the matching cost (10 + 6 bits), which asks for P2 <= 127.
+/// Path costs live in 8 bits: largest Hamming distance (62) + largest P2 must not exceed 255, and
+/// the sums of one sweep share 16 bits with the matching cost (10 + 6 bits), which asks for P2 <=
+/// 127.
 constexpr int kLargestPenalty = 127;
 
 /// Every matching parameter, with the package's defaults. The .cfg, the YAML files and the README's
@@ -31,7 +32,8 @@ struct MatcherConfig {
   /// Number of disparities searched [px], 16..512, a multiple of 16.
   int disparity_range = 64;
   CensusWindow census_window = CensusWindow::k9x7;
-  /// P1 of eq. 6: penalty for a change of disparity by one pixel [Hamming bits], 0..kLargestPenalty-1.
+  /// P1 of eq. 6: penalty for a change of disparity by one pixel [Hamming bits],
+  /// 0..kLargestPenalty-1.
   int penalty_small = 14;
   /// P2' of eq. 7: penalty for larger changes before it is divided by the grey-level step
   /// [Hamming bits], 1..2000. The quotient is limited to [penalty_large_min, kLargestPenalty].
@@ -40,8 +42,8 @@ struct MatcherConfig {
   int penalty_large_min = 22;
   /// Divide P2' by the grey-level step (eq. 7); otherwise P2 = min(P2', kLargestPenalty).
   bool adaptive_penalty = true;
-  /// The winner's sum must be this much smaller than any other's that is not its neighbour [%], 0..99;
-  /// 0: no check.
+  /// The winner's sum must be this much smaller than any other's that is not its neighbour [%],
+  /// 0..99; 0: no check.
   double uniqueness_ratio = 0.0;
   /// Largest difference between the left and the right disparity [px]; negative: no check.
   int disp12_max_diff = 2;

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "adaptive_grid_stereo/matching/matcher_config.h"
+#include "adaptive_grid_stereo/matching/simd_target.h"
 #include "adaptive_grid_stereo/path_plan.h"
 
 namespace adaptive_grid_stereo {
@@ -51,9 +52,9 @@ class StereoMatcher {
   void setConfig(const MatcherConfig& config);
   const MatcherConfig& config() const;
 
-  /// left, right: rectified CV_8UC1 of one size, at least kMinImageSide a side; plan: for that size.
-  /// The result belongs to the matcher and is overwritten by the next call.
-  /// Throws std::invalid_argument with the value found if the images or the plan are not so.
+  /// left, right: rectified CV_8UC1 of one size, at least kMinImageSide a side; plan: for that
+  /// size. The result belongs to the matcher and is overwritten by the next call. Throws
+  /// std::invalid_argument with the value found if the images or the plan are not so.
   const MatchResult& match(const cv::Mat& left, const cv::Mat& right, const PathPlan& plan);
 
  private:
@@ -61,11 +62,9 @@ class StereoMatcher {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Disparity in pixels: CV_32FC1 of the result's size, invalid pixels = min_disparity - 1 (never NaN).
+/// Disparity in pixels: CV_32FC1 of the result's size, invalid pixels = min_disparity - 1 (never
+/// NaN).
 cv::Mat toFloatDisparity(const MatchResult& result);
-
-/// Name of the SIMD target that the kernels run on here, e.g. "AVX2"; "portable" without Highway.
-std::string simdTarget();
 
 }  // namespace adaptive_grid_stereo
 

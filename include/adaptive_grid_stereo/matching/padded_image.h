@@ -1,0 +1,40 @@
+#ifndef ADAPTIVE_GRID_STEREO_MATCHING_PADDED_IMAGE_H
+#define ADAPTIVE_GRID_STEREO_MATCHING_PADDED_IMAGE_H
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace adaptive_grid_stereo {
+
+/// Columns that a PaddedImage adds on either side.
+constexpr int kImageMargin = 64;
+
+/// A grey image whose edges are replicated, so that stages may read beyond them: kImageMargin
+/// columns on either side, and any row (row(y) clamps y). Owns its memory and reuses it.
+class PaddedImage {
+ public:
+  /// Copies a CV_8UC1 image; `mirrored` turns each row round (column 0 is then the image's last).
+  void assign(const cv::Mat& image, bool mirrored);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /// Pixel (0, y); columns -kImageMargin .. width + kImageMargin - 1 may be read.
+  const std::uint8_t* row(int y) const {
+    const int inside = y < 0 ? 0 : y >= height_ ? height_ - 1 : y;
+    return pixels_.data() + static_cast<std::size_t>(inside) * stride_ + kImageMargin;
+  }
+
+ private:
+  int width_ = 0;
+  int height_ = 0;
+  std::size_t stride_ = 0;
+  std::vector<std::uint8_t> pixels_;
+};
+
+}  // namespace adaptive_grid_stereo
+
+#endif  // ADAPTIVE_GRID_STEREO_MATCHING_PADDED_IMAGE_H

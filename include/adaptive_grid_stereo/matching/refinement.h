@@ -1,0 +1,32 @@
+#ifndef ADAPTIVE_GRID_STEREO_MATCHING_REFINEMENT_H
+#define ADAPTIVE_GRID_STEREO_MATCHING_REFINEMENT_H
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace adaptive_grid_stereo {
+
+/// Buffers of removeSmallRegions, reused from frame to frame.
+struct RegionBuffers {
+  std::vector<std::int32_t> run_of_pixel;
+  std::vector<std::int32_t> parent;
+  std::vector<std::int32_t> size;
+  std::vector<std::int32_t> row_begin;
+  std::vector<std::int32_t> run_begin;
+};
+
+/// Sets four-connected regions of at most max_size [px] valid pixels to kInvalidDisparity;
+/// neighbours belong to one region if their values differ by at most max_step [fixed point]. The
+/// result equals that of cv::filterSpeckles. disparity: CV_16SC1, in place.
+void removeSmallRegions(int max_size, int max_step, RegionBuffers* buffers, cv::Mat* disparity);
+
+/// 3x3 median of rows [first_row, last_row): invalid neighbours, and those beyond the image, count
+/// as the centre, and an invalid centre stays invalid, so that nothing is filled and nothing
+/// smeared. source and target: CV_16SC1 of one size, not the same. Thread safe for disjoint rows.
+void medianOfValid(const cv::Mat& source, int first_row, int last_row, cv::Mat* target);
+
+}  // namespace adaptive_grid_stereo
+
+#endif  // ADAPTIVE_GRID_STEREO_MATCHING_REFINEMENT_H

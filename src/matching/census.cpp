@@ -1,0 +1,76 @@
+#include "adaptive_grid_stereo/matching/census.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "src/matching/census.cpp"
+#include "src/matching/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace adaptive_grid_stereo {
+namespace HWY_NAMESPACE {
+namespace hn = AGS_SIMD;
+
+// kSign is -1 for mirrored images, whose left neighbours lie to the right.
+template <int kHalfWidth, int kHalfHeight, int kSign>
+HWY_ATTR void CensusOfWindow(const PaddedImage& image, int y, std::uint8_t* planes) {
+  const hn::ScalableTag<std::uint8_t> d;
+  constexpr int kBits = (2 * kHalfWidth + 1) * (2 * kHalfHeight + 1) - 1;
+  const std::size_t stride = censusStride(image.width());
+  const auto one = hn::Set(d, std::uint8_t{1});
+  for (int x = 0; x < image.width(); x += static_cast<int>(hn::Lanes(d))) {
+    const auto centre = hn::LoadU(d, image.row(y) + x);
+    auto byte = hn::Zero(d);
+    int bit = 0;
+    for (int j = -kHalfHeight; j <= kHalfHeight; ++j) {
+      const std::uint8_t* row = image.row(y + j) + x;
+      for (int i = -kHalfWidth; i <= kHalfWidth; ++i) {
+        if (j == 0 && i == 0) continue;
+        // neighbour < centre as a saturated difference, of which only "not zero" counts.
+        const auto less = hn::Min(hn::SaturatedSub(centre, hn::LoadU(d, row + kSign * i)), one);
+        byte = hn::Or(hn::Add(byte, byte), less);
+        ++bit;
+        if (bit % 8 == 0 || bit == kBits) {
+          hn::StoreU(byte, d, planes + (bit - 1) / 8 * stride + kCensusMargin + x);
+          byte = hn::Zero(d);
+        }
+      }
+    }
+  }
+}
+
+template <int kSign>
+HWY_ATTR void CensusOfRow(const PaddedImage& image, int y, CensusWindow window,
+                          std::uint8_t* planes) {
+  switch (window) {
+    case CensusWindow::k5x5:
+      return CensusOfWindow<2, 2, kSign>(image, y, planes);
+    case CensusWindow::k7x7:
+      return CensusOfWindow<3, 3, kSign>(image, y, planes);
+    case CensusWindow::k9x7:
+      return CensusOfWindow<4, 3, kSign>(image, y, planes);
+  }
+}
+
+HWY_ATTR void CensusRow(const PaddedImage& image, bool mirrored, int y, CensusWindow window,
+                        std::uint8_t* planes) {
+  if (mirrored) {
+    CensusOfRow<-1>(image, y, window, planes);
+  } else {
+    CensusOfRow<1>(image, y, window, planes);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace adaptive_grid_stereo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace adaptive_grid_stereo {
+HWY_EXPORT(CensusRow);
+
+void censusRow(const PaddedImage& image, bool mirrored, int y, CensusWindow window,
+               std::uint8_t* planes) {
+  HWY_DYNAMIC_DISPATCH(CensusRow)(image, mirrored, y, window, planes);
+}
+
+}  // namespace adaptive_grid_stereo
+#endif  // HWY_ONCE

@@ -1,0 +1,27 @@
+#include "adaptive_grid_stereo/matching/padded_image.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace adaptive_grid_stereo {
+
+void PaddedImage::assign(const cv::Mat& image, bool mirrored) {
+  width_ = image.cols;
+  height_ = image.rows;
+  stride_ = (static_cast<std::size_t>(width_) + 63) / 64 * 64 + 2 * kImageMargin;
+  pixels_.resize(stride_ * height_);
+  for (int y = 0; y < height_; ++y) {
+    const std::uint8_t* source = image.ptr<std::uint8_t>(y);
+    std::uint8_t* target = pixels_.data() + static_cast<std::size_t>(y) * stride_;
+    std::uint8_t* pixels = target + kImageMargin;
+    if (mirrored) {
+      std::reverse_copy(source, source + width_, pixels);
+    } else {
+      std::memcpy(pixels, source, width_);
+    }
+    std::memset(target, pixels[0], kImageMargin);
+    std::memset(pixels + width_, pixels[width_ - 1], stride_ - kImageMargin - width_);
+  }
+}
+
+}  // namespace adaptive_grid_stereo

@@ -1,0 +1,36 @@
+#ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_PIXEL_KINDS_H
+#define ADAPTIVE_GRID_STEREO_SRC_MATCHING_PIXEL_KINDS_H
+
+#include <cstdint>
+#include <vector>
+
+#include "adaptive_grid_stereo/path_plan.h"
+#include "src/matching/sweep.h"
+
+namespace adaptive_grid_stereo {
+
+/// The PixelKind of every pixel of a sweep, from the path plan. Rows that are alike share one
+/// table.
+class PixelKinds {
+ public:
+  /// For the second sweep the plan is turned by 180 degrees.
+  void assign(const PathPlan& plan, bool second_sweep);
+
+  /// Kinds of row v at [u], -kPathMargin .. width + kPathMargin - 1.
+  const std::uint8_t* row(int v) const {
+    return tables_.data() + static_cast<std::size_t>(table_of_row_[v]) * stride_ + kPathMargin;
+  }
+
+  /// Largest number of directions of any pixel of row v: 2, 4 or 8.
+  int directions(int v) const { return directions_[table_of_row_[v]]; }
+
+ private:
+  std::size_t stride_ = 0;
+  std::vector<std::uint8_t> tables_;
+  std::vector<int> directions_;
+  std::vector<int> table_of_row_;
+};
+
+}  // namespace adaptive_grid_stereo
+
+#endif  // ADAPTIVE_GRID_STEREO_SRC_MATCHING_PIXEL_KINDS_H

@@ -1,0 +1,25 @@
+#ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_ROW_SELECTION_H
+#define ADAPTIVE_GRID_STEREO_SRC_MATCHING_ROW_SELECTION_H
+
+#include <cstdint>
+#include <vector>
+
+#include "adaptive_grid_stereo/matching/matcher_config.h"
+#include "src/matching/sweep.h"
+
+namespace adaptive_grid_stereo {
+
+/// Buffers of selectRow, for one thread.
+struct RightClaims {
+  std::vector<std::int32_t> sum_and_index;
+};
+
+/// Sub-pixel disparity and left-right check of one row (see the rules at disparity_selection.h).
+/// shifts: [x] log2(16 / paths) of each pixel, which brings sums of different cells to one scale.
+/// disparity: width fixed-point values, kInvalidDisparity where there is none.
+void selectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
+               const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity);
+
+}  // namespace adaptive_grid_stereo
+
+#endif  // ADAPTIVE_GRID_STEREO_SRC_MATCHING_ROW_SELECTION_H

@@ -1,0 +1,112 @@
+#ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_SWEEP_H
+#define ADAPTIVE_GRID_STEREO_SRC_MATCHING_SWEEP_H
+
+// Data shared by the two sweeps over the image (path_aggregation.cpp) and their caller.
+//
+// A sweep visits the image row by row and computes, at each pixel, the costs of all paths that come
+// from pixels already visited: half of the 16 directions. The second sweep is the first one on the
+// image turned by 180 degrees, hence its own coordinates: u, v count along the sweep, x, y in the
+// image.
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "adaptive_grid_stereo/matching/matcher_config.h"
+
+namespace adaptive_grid_stereo {
+
+/// Rows that a sweep advances together, one behind the other. Their pixels alternate, so that the
+/// latency of one row's horizontal path hides behind the others' work, and all but the last two of
+/// their rows of path costs stay in the first-level cache.
+constexpr int kBandRows = 4;
+
+/// Pixels that a row of a band stays behind the one above it: it needs path costs up to two pixels
+/// ahead there, and one step more lets them reach the cache.
+constexpr int kBandLag = 3;
+
+/// Pixels without image on either side of a row of path costs.
+constexpr int kPathMargin = 2;
+
+/// Directions per sweep.
+constexpr int kSweepDirections = 8;
+
+/// Bytes before each direction's path costs, which hold 255 as the cost beyond the first and the
+/// last disparity.
+constexpr int kBlockPad = 32;
+
+/// What a pixel of a sweep needs: kClear sets all path costs to zero, so that paths start anew
+/// there; others aggregate 2, 4 or 8 directions; kClearRest in addition clears those it does not
+/// use, for a neighbour in a cell with more paths.
+enum PixelKind : std::uint8_t { kClear = 0, kTwo = 1, kFour = 2, kEight = 3, kClearRest = 4 };
+
+/// Path costs of a pixel: kBlockPad bytes whose first kSweepDirections hold the smallest cost of
+/// each direction, then a block of padded_range costs and kBlockPad bytes for each direction.
+struct PathLayout {
+  int range = 0;
+  int padded_range = 0;
+  std::size_t block_stride = 0;
+  std::size_t pixel_stride = 0;
+};
+
+/// Path costs of a row, or of its last mask + 1 pixels.
+struct PathRow {
+  std::uint8_t* base = nullptr;
+  int mask = 0;
+};
+
+/// Winners of one row in image coordinates.
+struct WinnerRow {
+  std::uint16_t* index;   // of the winning disparity, or kNoWinner; | kNotUnique
+  std::uint16_t* sum;     // of its path costs
+  std::uint16_t* before;  // the sums at index - 1 and index + 1; kNoSum outside of the candidates
+  std::uint16_t* after;
+};
+constexpr std::uint16_t kNoWinner = 0xFFFF;
+constexpr std::uint16_t kNotUnique = 0x8000;
+constexpr std::uint16_t kNoSum = 0xFFFF;
+
+/// One row within a band.
+struct SweepRow {
+  const std::uint8_t* kinds;                        // [u], -kPathMargin .. width + kPathMargin - 1
+  const std::uint8_t* penalties[kSweepDirections];  // P2 of eq. 7 at [u]
+  PathRow current, above, above2;
+  const std::uint8_t* left;   // census planes of the row
+  const std::uint8_t* right;  // mirrored
+  std::uint16_t* volume;      // [x * padded_range]
+  WinnerRow winners;          // second sweep only
+};
+
+/// What all rows of a sweep share.
+struct SweepFrame {
+  int width = 0;
+  int height = 0;
+  int min_disparity = 0;
+  int penalty_small = 0;
+  CensusWindow window = CensusWindow::k9x7;
+  /// Of the winner's sum, times 4096, below which a rival makes it ambiguous; 0: no check.
+  int uniqueness_factor = 0;
+  PathLayout layout;
+};
+
+/// Columns that a band has finished, for the thread of the next band.
+struct alignas(64) BandProgress {
+  std::atomic<int> column{0};
+};
+
+/// Lanes of the SIMD target's byte vectors; padded_range must be a multiple.
+int sweepLanes();
+
+/// Runs one band of `row_count` <= kBandRows rows of the first or second sweep. `before`: progress
+/// of the band above, null for the first one; `own`: set as the band proceeds.
+void runBand(const SweepFrame& frame, bool second_sweep, const SweepRow* rows, int row_count,
+             const BandProgress* before, BandProgress* own);
+
+/// P2 of eq. 7 for `width` pixels of a row: penalty table by grey-level step between current[u] and
+/// previous[u].
+void penaltyRow(const std::uint8_t* current, const std::uint8_t* previous, int width,
+                const std::uint8_t* table, std::uint8_t* penalties);
+
+}  // namespace adaptive_grid_stereo
+
+#endif  // ADAPTIVE_GRID_STEREO_SRC_MATCHING_SWEEP_H
