@@ -8,18 +8,21 @@ namespace adaptive_grid_stereo {
 namespace {
 
 constexpr double kGravity = 9.81;         // [m/s^2]
-constexpr double kTiltGain = 0.5;         // [1/s] pull of gravity
+constexpr double kTiltGain = 0.3;         // [1/s] pull of gravity
 constexpr double kHeadingGain = 0.5;      // [1/s] pull of the magnetic field
-constexpr double kBiasGain = 0.02;        // [1/s^2]
+constexpr double kBiasGain = 0.01;        // [1/s^2]
+constexpr double kTurnFade = 0.4;         // share of gravity at which a turn's pull counts 1/e
 constexpr double kLargestBias = 0.1;      // [rad/s]
 constexpr double kLongestStep = 0.5;      // [s] across which the rates can be integrated
 constexpr std::size_t kCapacity = 16384;  // attitudes kept
 
-/// Gravity's reaction alone: the specific force without the acceleration of the flight path, which
-/// for a speed along the forward axis is (dv/dt, 0, 0) + rate x (v, 0, 0).
-Eigen::Vector3d upwardForce(const AttitudeInput& input, const Eigen::Vector3d& rate) {
-  const Eigen::Vector3d velocity(input.speed, 0.0, 0.0);
-  return input.acceleration - Eigen::Vector3d(input.speed_change, 0.0, 0.0) - rate.cross(velocity);
+/// How much the accelerometer is to be believed: 1 in straight and steady flight, towards 0 where
+/// the specific force is not gravity's, or where the path bends (rate x speed, across the forward
+/// axis).
+double tiltWeight(const AttitudeInput& input, const Eigen::Vector3d& rate) {
+  const double excess = std::abs(input.acceleration.norm() - kGravity) / kGravity;
+  const double bend = rate.tail<2>().norm() * input.speed / (kTurnFade * kGravity);
+  return std::max(0.0, 1.0 - 2.0 * excess) * std::exp(-bend * bend);
 }
 
 Eigen::Vector3d magneticNorth(double declination) {
@@ -29,7 +32,7 @@ Eigen::Vector3d magneticNorth(double declination) {
 }  // namespace
 
 std::optional<Attitude> initialAttitude(const AttitudeInput& input, double declination) {
-  const Eigen::Vector3d up = upwardForce(input, input.angular_rate);
+  const Eigen::Vector3d& up = input.acceleration;
   const Eigen::Vector3d east = input.field.cross(up);
   if (up.norm() < 0.3 * kGravity || east.norm() < 0.05 * input.field.norm() * up.norm()) {
     return std::nullopt;
@@ -52,11 +55,10 @@ Attitude attitudeStep(const Attitude& last, const AttitudeInput& input, double d
   const Eigen::Quaterniond body_from_world = last.orientation.conjugate();
 
   Eigen::Vector3d tilt_error = Eigen::Vector3d::Zero();
-  const Eigen::Vector3d up = upwardForce(input, rate);
-  const double excess = std::abs(up.norm() - kGravity) / kGravity;
-  if (excess < 0.5) {
+  const double weight = tiltWeight(input, rate);
+  if (weight > 0.0) {
     const Eigen::Vector3d expected = body_from_world * Eigen::Vector3d::UnitZ();
-    tilt_error = (1.0 - 2.0 * excess) * up.normalized().cross(expected);
+    tilt_error = weight * input.acceleration.normalized().cross(expected);
   }
 
   Eigen::Vector3d heading_error = Eigen::Vector3d::Zero();

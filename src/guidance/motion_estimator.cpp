@@ -209,6 +209,13 @@ EstimatorReport MotionEstimator::report() const {
   report.gps_vel = reportOf(sources.gps_vel, impl_->invalid_vel);
   report.gps_fix = reportOf(sources.gps_fix, impl_->invalid_fix);
   report.mag = reportOf(sources.mag, impl_->invalid_mag);
+  if (!sources.imu.empty() &&
+      !sources.imuIsUpright(sources.imu.back().stamp, impl_->config.rate_axes)) {
+    report.warning =
+        std::string(
+            "imu: gravity is not along its up axis, so it does not sit on the body as rate_axes ") +
+        toString(impl_->config.rate_axes) + " says; its orientation is not used";
+  }
   return report;
 }
 

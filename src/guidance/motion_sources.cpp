@@ -13,6 +13,12 @@ namespace {
 
 /// The field changes slowly in the body, so an old one still serves [s].
 constexpr double kMagneticTimeout = 1.0;
+/// Time over which the mean acceleration must point up [s]: in coordinated flight it always does,
+/// at whatever bank, so if it does not the Imu does not sit on the body as declared.
+constexpr double kUprightWindow = 5.0;
+constexpr double kLeastGravity = 3.0;  // [m/s^2]
+/// Below this GPS velocities are taken as the median of the last three [m/s].
+constexpr double kSlow = 1.0;
 /// Smallest weight of a fresh source, so that it serves when it is the only one.
 constexpr double kSmallestWeight = 1e-6;
 
@@ -85,22 +91,31 @@ std::optional<AttitudeInput> MotionSources::attitudeInput(const ImuSample& sampl
   input.angular_rate = bodyVector(sample.angular_rate, config.rate_axes, RateAxes::kBodyFlu);
   input.acceleration = bodyVector(sample.acceleration, config.rate_axes, RateAxes::kBodyFlu);
   input.field = bodyVector(field->field, config.rate_axes, RateAxes::kBodyFlu);
-  const std::size_t n = gps_vel.count(sample.stamp);
-  if (n > 0 && sample.stamp - gps_vel[n - 1].stamp <= 1.0) {
-    input.speed = gps_vel[n - 1].velocity.norm();
-    const double dt = n > 1 ? gps_vel[n - 1].stamp - gps_vel[n - 2].stamp : 0.0;
-    if (dt > 0.0 && dt < 1.0) {
-      input.speed_change = (input.speed - gps_vel[n - 2].velocity.norm()) / dt;
-    }
+  if (isFresh(gps_vel, sample.stamp, 1.0)) {
+    input.speed = gps_vel.latest(sample.stamp)->velocity.norm();
   } else if (isFresh(odom, sample.stamp, 1.0)) {
     input.speed = odom.latest(sample.stamp)->velocity.norm();
   }
   return input;
 }
 
+bool MotionSources::imuIsUpright(double time, RateAxes axes) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::size_t n = 0;
+  for (std::size_t i = imu.count(time); i > 0 && time - imu[i - 1].stamp <= kUprightWindow; --i) {
+    sum += bodyVector(imu[i - 1].acceleration, axes, RateAxes::kBodyFlu);
+    ++n;
+  }
+  // Some sources leave the acceleration empty: nothing to contradict the orientation then.
+  if (n == 0 || sum.norm() < kLeastGravity * static_cast<double>(n)) return true;
+  return sum.z() > 0.5 * sum.norm();
+}
+
 std::optional<Eigen::Vector3d> MotionSources::forwardAxisAt(double time,
                                                             const MotionConfig& config) {
-  if (!isFresh(imu, time, config.motion_timeout)) return std::nullopt;
+  if (!isFresh(imu, time, config.motion_timeout) || !imuIsUpright(time, config.rate_axes)) {
+    return std::nullopt;
+  }
   const std::size_t last = imu.count(time) - 1;
   if (!imu[last].orientation) {
     const auto input = [&](const ImuSample& sample) { return attitudeInput(sample, config); };
@@ -138,6 +153,16 @@ double MotionSources::speedOf(const VelocitySample& sample, const MotionConfig& 
   return projected(toEnu(sample.velocity, axes), sample.stamp, config);
 }
 
+double MotionSources::gpsSpeed(double time, const MotionConfig& config) {
+  const std::size_t end = gps_vel.count(time);
+  const double speed = speedOf(gps_vel[end - 1], config);
+  if (std::abs(speed) >= kSlow || end < 3) return speed;
+  // A standing receiver's velocity has peaks of one sample that look like a start.
+  const double before = speedOf(gps_vel[end - 2], config);
+  const double earlier = speedOf(gps_vel[end - 3], config);
+  return std::max(std::min(speed, before), std::min(std::max(speed, before), earlier));
+}
+
 double MotionSources::odometrySpeed(double time, const MotionConfig& config) {
   const std::size_t last = odom.count(time) - 1;
   const double speed = speedOf(odom[last], config);
@@ -157,8 +182,8 @@ std::vector<MotionSources::Speed> MotionSources::speeds(double time, const Motio
   }
   if (allowed(config.speed_source, "gps_vel") && isFresh(gps_vel, time, timeout)) {
     const VelocitySample& sample = *gps_vel.latest(time);
-    result.push_back({"gps_vel", speedOf(sample, config), time - sample.stamp,
-                      weightAt(gps_vel, time, timeout)});
+    result.push_back(
+        {"gps_vel", gpsSpeed(time, config), time - sample.stamp, weightAt(gps_vel, time, timeout)});
   }
   if (allowed(config.speed_source, "gps_fix") && isFresh(gps_fix, time, timeout)) {
     const auto track = trackVelocity(gps_fix, time, config.fix_window, timeout);

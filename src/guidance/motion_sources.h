@@ -38,6 +38,10 @@ class MotionSources {
 
   bool ready(double time, const MotionConfig& config) const;
 
+  /// False if the mean acceleration of the last seconds is more than 60 degrees off the body's up
+  /// axis: the Imu is not mounted as declared, so its orientation is not the body's.
+  bool imuIsUpright(double time, RateAxes axes) const;
+
   void clear();
 
   SampleBuffer<ImuSample> imu{8192};
@@ -54,6 +58,7 @@ class MotionSources {
   double projected(const Eigen::Vector3d& velocity_enu, double time, const MotionConfig& config);
   double speedOf(const OdometrySample& sample, const MotionConfig& config);
   double speedOf(const VelocitySample& sample, const MotionConfig& config);
+  double gpsSpeed(double time, const MotionConfig& config);
   double odometrySpeed(double time, const MotionConfig& config);
 };
 

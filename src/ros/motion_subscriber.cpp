@@ -236,6 +236,7 @@ MotionInputStatus MotionSubscriber::status() const {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   MotionInputStatus result;
   result.mounting = impl_->mounting;
+  result.warning = report.warning;
   for (int i = 0; i < kSources; ++i) {
     MotionSourceStatus source = impl_->status[i];
     source.duplicates = reports[i]->counts.duplicates;

@@ -26,17 +26,17 @@ struct AttitudeInput {
   Eigen::Vector3d angular_rate;  // [rad/s]
   Eigen::Vector3d acceleration;  // specific force [m/s^2]
   Eigen::Vector3d field;         // any unit
-  double speed = 0.0;            // along the forward axis [m/s]
-  double speed_change = 0.0;     // its derivative [m/s^2]
+  double speed = 0.0;            // along the flight path [m/s]; 0 if unknown
 };
 
 /// Orientation from gravity and magnetic field alone; empty if one of them cannot be told (free
 /// fall, field along gravity). declination [rad]: true north to magnetic north, east positive.
 std::optional<Attitude> initialAttitude(const AttitudeInput& input, double declination);
 
-/// One step of the explicit complementary filter of Mahony, Hamel and Pflimlin (2008), with the
-/// acceleration of a turning fixed wing (rate x speed) taken off the accelerometer as in Euston et
-/// al. (2008), since otherwise a coordinated turn looks like level flight.
+/// One step of the explicit complementary filter of Mahony, Hamel and Pflimlin (2008). An
+/// accelerometer in a coordinated turn feels level, so gravity's pull on the estimate fades as rate
+/// x speed grows, and the gyro carries it through the turn. Gains were chosen on a real fixed-wing
+/// log and on computed coordinated turns.
 Attitude attitudeStep(const Attitude& last, const AttitudeInput& input, double declination);
 
 /// Runs the filter along the samples as they are asked for, and runs anew from where samples came

@@ -41,6 +41,8 @@ struct SourceReport {
 };
 struct EstimatorReport {
   SourceReport imu, odom, gps_vel, gps_fix, mag;
+  /// What contradicts the declared axes, in one sentence; empty if nothing does.
+  std::string warning;
 };
 
 /// Turns samples of any of the sources into forward speed, yaw rate and pitch rate at a stamp.
@@ -50,7 +52,8 @@ struct EstimatorReport {
 /// (back) is faded in over as long, so the numbers do not jump when the source changes. Velocities
 /// in earth axes are projected on the forward axis with the orientation at their own stamp: that of
 /// the odometry's pose for odometry, else that of the Imu messages, else one estimated from gyro,
-/// accelerometer and magnetometer; without any the ground speed serves.
+/// accelerometer and magnetometer; without any the ground speed serves. An Imu whose gravity does
+/// not lie along the declared up axis counts as without orientation.
 ///
 /// The estimate for a stamp depends only on the samples, not on the order or the time of their
 /// arrival, and uses none that lie more than kInterpolationReach after the stamp. Thread safe:

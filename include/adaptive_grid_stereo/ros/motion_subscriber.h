@@ -41,6 +41,8 @@ struct MotionInputStatus {
   std::vector<MotionSourceStatus> sources;
   /// Where the camera's mounting came from at the last question: "tf", "camera_rpy", or a sentence.
   std::string mounting;
+  /// What contradicts the declared axes, in one sentence; empty if nothing does.
+  std::string warning;
 };
 
 /// Feeds a MotionEstimator from ROS and answers for the motion at an image's stamp. Messages come
