@@ -1,0 +1,180 @@
+#include "bag_topics.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+namespace adaptive_grid_stereo {
+namespace {
+
+using TypeOf = std::map<std::string, std::string>;  // topic -> type
+
+const char kImage[] = "sensor_msgs/Image";
+const char kInfo[] = "sensor_msgs/CameraInfo";
+
+/// How left and right cameras are called.
+constexpr std::array<std::array<const char*, 2>, 4> kSides{
+    {{{"left", "right"}}, {{"Left", "Right"}}, {{"cam0", "cam1"}}, {{"camera0", "camera1"}}}};
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// The right camera's name of a left camera's topic; "" if it is not one.
+std::string rightOf(const std::string& topic) {
+  for (const auto& side : kSides) {
+    const std::size_t at = topic.find(side[0]);
+    if (at == std::string::npos) continue;
+    std::string right = topic;
+    return right.replace(at, std::string(side[0]).size(), side[1]);
+  }
+  return "";
+}
+
+/// Rectified grey before rectified colour before raw before anything else.
+int rankOf(const std::string& topic) {
+  if (endsWith(topic, "image_rect")) return 0;
+  if (topic.find("image_rect") != std::string::npos) return 1;
+  if (endsWith(topic, "image_mono")) return 2;
+  if (endsWith(topic, "image_raw")) return 3;
+  return 4;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+std::vector<std::string> topicsOfType(const TypeOf& types, const std::string& type) {
+  std::vector<std::string> topics;
+  for (const auto& [topic, its_type] : types) {
+    if (its_type == type) topics.push_back(topic);
+  }
+  return topics;
+}
+
+void requireType(const TypeOf& types, const std::string& topic, const std::string& type) {
+  const auto found = types.find(topic);
+  if (found == types.end()) {
+    throw std::runtime_error("topic " + topic + " is not in the bag; of type " + type +
+                             " are: " + listed(topicsOfType(types, type)));
+  }
+  if (found->second != type) {
+    throw std::runtime_error("topic " + topic + " is of type " + found->second + ", expected " +
+                             type);
+  }
+}
+
+void findImages(const TypeOf& types, const NamedTopics& named, BagTopics* topics) {
+  if (named.left_image) {
+    topics->left_image = *named.left_image;
+    topics->right_image = named.right_image.value_or(rightOf(*named.left_image));
+  } else {
+    std::vector<std::string> best;
+    int best_rank = 100;
+    for (const std::string& topic : topicsOfType(types, kImage)) {
+      const std::string right = named.right_image.value_or(rightOf(topic));
+      const auto found = types.find(right);
+      if (rightOf(topic) != right || found == types.end() || found->second != kImage) continue;
+      if (rankOf(topic) < best_rank) best.clear();
+      best_rank = std::min(best_rank, rankOf(topic));
+      if (rankOf(topic) == best_rank) best.push_back(topic);
+    }
+    if (best.size() != 1) {
+      throw std::runtime_error(
+          (best.empty() ? "no stereo pair was found by name; topics of type sensor_msgs/Image: " +
+                              listed(topicsOfType(types, kImage))
+                        : "several stereo pairs were found: " + listed(best)) +
+          "; name the topics by --left-image and --right-image");
+    }
+    topics->left_image = best.front();
+    topics->right_image = rightOf(best.front());
+  }
+  requireType(types, topics->left_image, kImage);
+  requireType(types, topics->right_image, kImage);
+}
+
+/// camera_info beside the image, or below it (as AirSim has it).
+std::string findInfo(const TypeOf& types, const std::optional<std::string>& named,
+                     const std::string& image, const std::string& option) {
+  if (named) {
+    requireType(types, *named, kInfo);
+    return *named;
+  }
+  const std::string beside = image.substr(0, image.rfind('/') + 1) + "camera_info";
+  for (const std::string& topic : {beside, image + "/camera_info"}) {
+    const auto found = types.find(topic);
+    if (found != types.end() && found->second == kInfo) return topic;
+  }
+  throw std::runtime_error("no camera_info beside " + image + "; name it by " + option +
+                           "; topics of type " + kInfo + ": " + listed(topicsOfType(types, kInfo)));
+}
+
+std::string findMotion(const TypeOf& types, const std::optional<std::string>& named,
+                       const std::string& type, const std::string& option,
+                       const std::vector<std::string>& usual_ends,
+                       std::vector<std::string>* notes) {
+  if (named) {
+    if (!named->empty()) requireType(types, *named, type);
+    return *named;
+  }
+  std::vector<std::string> candidates;
+  for (const std::string& topic : topicsOfType(types, type)) {
+    // What a simulator knows is no sensor.
+    if (topic.find("ground_truth") == std::string::npos) candidates.push_back(topic);
+  }
+  if (candidates.size() == 1) return candidates.front();
+  for (const std::string& end : usual_ends) {
+    std::vector<std::string> fitting;
+    for (const std::string& topic : candidates) {
+      if (endsWith(topic, end)) fitting.push_back(topic);
+    }
+    if (fitting.size() == 1) return fitting.front();
+  }
+  if (!candidates.empty()) {
+    notes->push_back("which of these is meant is not clear, so none is used: " +
+                     listed(candidates) + "; name one by " + option);
+  }
+  return "";
+}
+
+}  // namespace
+
+BagTopics chooseTopics(const std::vector<BagConnection>& connections, const NamedTopics& named,
+                       std::vector<std::string>* notes) {
+  TypeOf types;
+  for (const BagConnection& connection : connections) {
+    types[connection.topic] = connection.datatype;
+  }
+  BagTopics topics;
+  findImages(types, named, &topics);
+  topics.left_info = findInfo(types, named.left_info, topics.left_image, "--left-info");
+  topics.right_info = findInfo(types, named.right_info, topics.right_image, "--right-info");
+  topics.imu = findMotion(types, named.imu, "sensor_msgs/Imu", "--imu",
+                          {"imu/data", "/imu", "imu/data_raw"}, notes);
+  topics.odom = findMotion(types, named.odom, "nav_msgs/Odometry", "--odom",
+                           {"local_position/odom", "/odom", "odometry"}, notes);
+  topics.gps_vel = findMotion(types, named.gps_vel, "geometry_msgs/TwistStamped", "--gps-vel",
+                              {"gps/vel", "gps_vel", "velocity_local"}, notes);
+  topics.gps_fix = findMotion(types, named.gps_fix, "sensor_msgs/NavSatFix", "--gps-fix",
+                              {"gps/fix", "raw/fix", "/fix", "global"}, notes);
+  topics.mag = findMotion(types, named.mag, "sensor_msgs/MagneticField", "--mag",
+                          {"imu/mag", "/mag"}, notes);
+  return topics;
+}
+
+std::string outputNamespace(const std::string& left_image) {
+  for (const auto& side : kSides) {
+    const std::size_t at = left_image.find(side[0]);
+    if (at == std::string::npos) continue;
+    const std::size_t slash = left_image.rfind('/', at);
+    return slash == std::string::npos ? "" : left_image.substr(0, slash);
+  }
+  const std::size_t slash = left_image.rfind('/');
+  return slash == std::string::npos ? "" : left_image.substr(0, slash);
+}
+
+}  // namespace adaptive_grid_stereo

@@ -1,0 +1,44 @@
+#ifndef ADAPTIVE_GRID_STEREO_TOOLS_BAG_TOPICS_H
+#define ADAPTIVE_GRID_STEREO_TOOLS_BAG_TOPICS_H
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bag_reader.h"
+
+namespace adaptive_grid_stereo {
+
+/// Names of the topics to use; "" = none.
+struct BagTopics {
+  std::string left_image;
+  std::string right_image;
+  std::string left_info;
+  std::string right_info;
+  std::string imu;
+  std::string odom;
+  std::string gps_vel;
+  std::string gps_fix;
+  std::string mag;
+};
+
+/// The same as the user names them; what he leaves open is found by type and name.
+struct NamedTopics {
+  std::optional<std::string> left_image, right_image, left_info, right_info;
+  std::optional<std::string> imu, odom, gps_vel, gps_fix, mag;
+};
+
+/// Finds the stereo pair (two image topics whose names differ only as left and right do, rectified
+/// ones first), its camera_infos, and the motion sources (the only topic of the type, or the one
+/// with the usual name). Motion sources that stay in doubt are left out, with a sentence in
+/// `notes`. Throws std::runtime_error, listing the candidates, if no pair or several are found, or
+/// a named topic is not in the bag or of another type.
+BagTopics chooseTopics(const std::vector<BagConnection>& connections, const NamedTopics& named,
+                       std::vector<std::string>* notes);
+
+/// The name space in which the outputs go: what left_image has before "left", e.g. "/stereo".
+std::string outputNamespace(const std::string& left_image);
+
+}  // namespace adaptive_grid_stereo
+
+#endif  // ADAPTIVE_GRID_STEREO_TOOLS_BAG_TOPICS_H
