@@ -6,6 +6,8 @@
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_PATH_AGGREGATION_INL_H
 #endif
 
+#include <type_traits>
+
 #include "src/matching/sweep.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -23,49 +25,64 @@ struct ByteSums {
   V16 even, odd;
 };
 
-// The path costs of the pixels that one pixel's paths come from.
-struct Predecessors {
-  const std::uint8_t* costs[kSweepDirections];  // disparity 0 of the direction
-  std::uint8_t smallest[kSweepDirections];
-  std::uint8_t limit[kSweepDirections];  // smallest + P2
-};
-
-HWY_INLINE std::uint8_t* PixelAt(const PathRow& row, int u, std::size_t pixel_stride) {
-  return row.base + static_cast<std::size_t>((u + kPathMargin) & row.mask) * pixel_stride;
+// Calls f(integral_constant<int, i>) for i = 0 .. kCount - 1, unrolled.
+template <int kCount, int kFirst = 0, class F>
+HWY_INLINE void Repeat(const F& f) {
+  if constexpr (kFirst < kCount) {
+    f(std::integral_constant<int, kFirst>());
+    Repeat<kCount, kFirst + 1>(f);
+  }
 }
 
-// Directions in the order of the plan: the first two belong to every pixel, the first four to cells
-// of 8 paths, all to cells of 16. (du, dv) from the predecessor to the pixel: (1, 0), (0, 1), (1,
-// 1), (-1, 1), (2, 1), (-2, 1), (1, 2), (-1, 2).
-template <int kDirections>
-HWY_INLINE void FindPredecessors(const SweepRow& row, const PathLayout& layout, int u,
-                                 Predecessors* from) {
-  const std::size_t stride = layout.pixel_stride;
-  const std::uint8_t* pixels[kSweepDirections];
-  pixels[0] = PixelAt(row.current, u - 1, stride);
-  pixels[1] = PixelAt(row.above, u, stride);
-  if (kDirections > 2) {
-    pixels[2] = PixelAt(row.above, u - 1, stride);
-    pixels[3] = PixelAt(row.above, u + 1, stride);
+// The pixel that direction r comes from. Directions are in the order of the plan: the first two belong to every
+// pixel, the first four to cells of 8 paths, all to cells of 16. (du, dv) from the predecessor to the pixel:
+// (1, 0), (0, 1), (1, 1), (-1, 1), (2, 1), (-2, 1), (1, 2), (-1, 2).
+template <int kDirection>
+HWY_INLINE const std::uint8_t* Predecessor(const SweepRow& row, int u) {
+  switch (kDirection) {
+    case 0:
+      return row.current[u - 1];
+    case 1:
+      return row.above[u];
+    case 2:
+      return row.above[u - 1];
+    case 3:
+      return row.above[u + 1];
+    case 4:
+      return row.above[u - 2];
+    case 5:
+      return row.above[u + 2];
+    case 6:
+      return row.above2[u - 1];
+    default:
+      return row.above2[u + 1];
   }
-  if (kDirections > 4) {
-    pixels[4] = PixelAt(row.above, u - 2, stride);
-    pixels[5] = PixelAt(row.above, u + 2, stride);
-    pixels[6] = PixelAt(row.above2, u - 1, stride);
-    pixels[7] = PixelAt(row.above2, u + 1, stride);
-  }
-  for (int r = 0; r < kDirections; ++r) {
-    from->costs[r] = pixels[r] + kBlockPad + r * layout.block_stride;
-    from->smallest[r] = pixels[r][r];
-    from->limit[r] = static_cast<std::uint8_t>(pixels[r][r] + row.penalties[r][u]);
-  }
+}
+
+// One direction of one pixel, ready to go through the disparities.
+struct Path {
+  const std::uint8_t* from;  // path costs at the predecessor, disparity 0
+  std::uint8_t* to;          // and at the pixel
+  V8 smallest;               // min L at the predecessor
+  V8 limit;                  // the same + P2
+};
+
+template <int kDirection>
+HWY_INLINE Path MakePath(D8 d, const SweepRow& row, int u, std::uint8_t* pixel,
+                         std::size_t block_stride) {
+  const std::uint8_t* predecessor = Predecessor<kDirection>(row, u);
+  const std::size_t block = kBlockPad + kDirection * block_stride;
+  const V8 smallest = hn::Set(d, predecessor[kDirection]);
+  const V8 penalty = hn::Set(d, row.penalties[u * kSweepDirections + kDirection]);
+  return {predecessor + block, pixel + block, smallest, hn::Add(smallest, penalty)};
 }
 
 // Eq. 6 without the matching cost: min(L(d), L(d +- 1) + P1, min L + P2) - min L, at most P2.
-HWY_INLINE V8 Transition(D8 d, const std::uint8_t* costs, V8 penalty_small, V8 limit, V8 smallest) {
-  const V8 neighbour = hn::Min(hn::LoadU(d, costs - 1), hn::LoadU(d, costs + 1));
+HWY_INLINE V8 Transition(D8 d, const Path& path, int k, V8 penalty_small) {
+  const std::uint8_t* from = path.from + k;
+  const V8 neighbour = hn::Min(hn::LoadU(d, from - 1), hn::LoadU(d, from + 1));
   const V8 stepped = hn::SaturatedAdd(neighbour, penalty_small);
-  return hn::Sub(hn::Min(hn::Min(hn::LoadU(d, costs), limit), stepped), smallest);
+  return hn::Sub(hn::Min(hn::Min(hn::LoadU(d, from), path.limit), stepped), path.smallest);
 }
 
 // Smallest lane of each of 2, 4 or 8 vectors, to as many bytes at `smallest` (8 bytes are written).
@@ -91,7 +108,7 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* smallest) {
                     hn::BitCast(d, hn::InterleaveUpper(d32, a32, b32)));
     }
   }
-  alignas(64) std::uint8_t blocks[HWY_MAX_BYTES];
+  alignas(64) std::uint8_t blocks[kMaxLanes];
   hn::Store(all, d, blocks);
   const hn::Full128<std::uint8_t> d128;
   auto block = hn::Load(d128, blocks);
@@ -104,33 +121,36 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* smallest) {
   hn::Store(hn::LowerHalf(block), hn::Half<decltype(d128)>(), smallest);
 }
 
-// The path costs of `kVectors` vectors of disparities from index k on, for all directions; returns
-// the sums of the transitions (the matching cost is added later, once for all directions).
+// The path costs of `kVectors` vectors of disparities from index k on, for all directions; returns the sums
+// of the transitions (the matching cost is added later, once for all directions).
 template <int kDirections, int kVectors, bool kFirst>
-HWY_INLINE void AggregateVectors(D8 d, const Predecessors& from, const V8* cost, int k,
-                                 V8 penalty_small, std::uint8_t* blocks, std::size_t block_stride,
+HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel,
+                                 std::size_t block_stride, const V8* cost, int k, V8 penalty_small,
                                  V8* smallest, ByteSums* sums) {
+  const D8 d;
   const D16 d16;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int r = 0; r < kDirections; r += 2) {
-    const V8 limit_a = hn::Set(d, from.limit[r]), limit_b = hn::Set(d, from.limit[r + 1]);
-    const V8 offset_a = hn::Set(d, from.smallest[r]), offset_b = hn::Set(d, from.smallest[r + 1]);
-    for (int i = 0; i < kVectors; ++i) {
+  Repeat<kDirections / 2>([&](auto pair_of) HWY_ATTR {
+    constexpr int kA = 2 * decltype(pair_of)::value, kB = kA + 1;
+    const Path path_a = MakePath<kA>(d, row, u, pixel, block_stride);
+    const Path path_b = MakePath<kB>(d, row, u, pixel, block_stride);
+    Repeat<kVectors>([&](auto vector) HWY_ATTR {
+      constexpr int i = decltype(vector)::value;
       const int at = k + i * lanes;
-      const V8 a = Transition(d, from.costs[r] + at, penalty_small, limit_a, offset_a);
-      const V8 b = Transition(d, from.costs[r + 1] + at, penalty_small, limit_b, offset_b);
-      const V8 path_a = hn::SaturatedAdd(a, cost[i]), path_b = hn::SaturatedAdd(b, cost[i]);
-      hn::StoreU(path_a, d, blocks + r * block_stride + at);
-      hn::StoreU(path_b, d, blocks + (r + 1) * block_stride + at);
-      smallest[r] = kFirst && i == 0 ? path_a : hn::Min(smallest[r], path_a);
-      smallest[r + 1] = kFirst && i == 0 ? path_b : hn::Min(smallest[r + 1], path_b);
+      const V8 a = Transition(d, path_a, at, penalty_small);
+      const V8 b = Transition(d, path_b, at, penalty_small);
+      const V8 cost_a = hn::SaturatedAdd(a, cost[i]), cost_b = hn::SaturatedAdd(b, cost[i]);
+      hn::StoreU(cost_a, d, path_a.to + at);
+      hn::StoreU(cost_b, d, path_b.to + at);
+      smallest[kA] = kFirst && i == 0 ? cost_a : hn::Min(smallest[kA], cost_a);
+      smallest[kB] = kFirst && i == 0 ? cost_b : hn::Min(smallest[kB], cost_b);
       // Two transitions fit a byte. Their sums: `even` gathers even + 256 * odd modulo 65536.
       const V16 pair = hn::BitCast(d16, hn::Add(a, b));
-      sums[i].even = r == 0 ? pair : hn::Add(sums[i].even, pair);
       const V16 high = hn::ShiftRight<8>(pair);
-      sums[i].odd = r == 0 ? high : hn::Add(sums[i].odd, high);
-    }
-  }
+      sums[i].even = kA == 0 ? pair : hn::Add(sums[i].even, pair);
+      sums[i].odd = kA == 0 ? high : hn::Add(sums[i].odd, high);
+    });
+  });
   for (int i = 0; i < kVectors; ++i) {
     sums[i].even = hn::Sub(sums[i].even, hn::ShiftLeft<8>(sums[i].odd));
   }

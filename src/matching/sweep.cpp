@@ -66,8 +66,8 @@ HWY_INLINE void StoreInOrder(D16 d, V16 even, V16 odd, std::uint16_t* sums) {
 }
 
 template <int kDirections, int kVectors, bool kFirst>
-HWY_INLINE void FirstSweepVectors(const SweepFrame& frame, const Predecessors& from,
-                                  const std::uint8_t* costs, int k, std::uint8_t* blocks,
+HWY_INLINE void FirstSweepVectors(const SweepFrame& frame, const SweepRow& row, int u,
+                                  const std::uint8_t* costs, int k, std::uint8_t* pixel,
                                   V8* smallest, std::uint16_t* volume) {
   const D8 d;
   const D16 d16;
@@ -76,8 +76,8 @@ HWY_INLINE void FirstSweepVectors(const SweepFrame& frame, const Predecessors& f
   for (int i = 0; i < kVectors; ++i) cost[i] = hn::Load(d, costs + k + i * lanes);
   ByteSums sums[kVectors];
   AggregateVectors<kDirections, kVectors, kFirst>(
-      d, from, cost, k, hn::Set(d, static_cast<std::uint8_t>(frame.penalty_small)), blocks,
-      frame.layout.block_stride, smallest, sums);
+      row, u, pixel, frame.layout.block_stride, cost, k,
+      hn::Set(d, static_cast<std::uint8_t>(frame.penalty_small)), smallest, sums);
   for (int i = 0; i < kVectors; ++i) {
     const V16 cost16 = hn::BitCast(d16, cost[i]);
     const V16 even = hn::Or(hn::ShiftLeft<kCostBits>(sums[i].even),
@@ -89,8 +89,8 @@ HWY_INLINE void FirstSweepVectors(const SweepFrame& frame, const Predecessors& f
 }
 
 template <int kDirections, int kVectors, bool kFirst>
-HWY_INLINE void SecondSweepVectors(const SweepFrame& frame, const Predecessors& from, int k,
-                                   std::uint8_t* blocks, V8* smallest, const std::uint16_t* volume,
+HWY_INLINE void SecondSweepVectors(const SweepFrame& frame, const SweepRow& row, int u, int k,
+                                   std::uint8_t* pixel, V8* smallest, const std::uint16_t* volume,
                                    std::uint16_t* all_sums) {
   const D8 d;
   const D16 d16;
@@ -111,8 +111,8 @@ HWY_INLINE void SecondSweepVectors(const SweepFrame& frame, const Predecessors& 
   }
   ByteSums sums[kVectors];
   AggregateVectors<kDirections, kVectors, kFirst>(
-      d, from, cost, k, hn::Set(d, static_cast<std::uint8_t>(frame.penalty_small)), blocks,
-      frame.layout.block_stride, smallest, sums);
+      row, u, pixel, frame.layout.block_stride, cost, k,
+      hn::Set(d, static_cast<std::uint8_t>(frame.penalty_small)), smallest, sums);
   for (int i = 0; i < kVectors; ++i) {
     const V16 first_even = hn::Load(d16, volume + k + i * lanes);
     const V16 first_odd = hn::Load(d16, volume + k + i * lanes + lanes / 2);
@@ -130,11 +130,8 @@ HWY_NOINLINE HWY_ATTR void SweepPixel(const SweepFrame& frame, const SweepRow& r
   const PathLayout& layout = frame.layout;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const int x = kSecondSweep ? frame.width - 1 - u : u;
-  std::uint8_t* pixel = PixelAt(row.current, u, layout.pixel_stride);
-  std::uint8_t* blocks = pixel + kBlockPad;
+  std::uint8_t* pixel = row.current[u];
   std::uint16_t* volume = row.volume + static_cast<std::size_t>(x) * layout.padded_range;
-  Predecessors from;
-  FindPredecessors<kDirections>(row, layout, u, &from);
   alignas(64) std::uint8_t costs[kSecondSweep ? 64 : kMaxRange];
   alignas(64) std::uint16_t sums[kSecondSweep ? kMaxRange : 32];
   if (!kSecondSweep) PixelCosts(frame, row.left, row.right, x, costs);
@@ -143,10 +140,10 @@ HWY_NOINLINE HWY_ATTR void SweepPixel(const SweepFrame& frame, const SweepRow& r
     constexpr int kVectors = decltype(count)::value;
     constexpr bool kFirst = decltype(first)::value;
     if (kSecondSweep) {
-      SecondSweepVectors<kDirections, kVectors, kFirst>(frame, from, k, blocks, smallest, volume,
+      SecondSweepVectors<kDirections, kVectors, kFirst>(frame, row, u, k, pixel, smallest, volume,
                                                         sums);
     } else {
-      FirstSweepVectors<kDirections, kVectors, kFirst>(frame, from, costs, k, blocks, smallest,
+      FirstSweepVectors<kDirections, kVectors, kFirst>(frame, row, u, costs, k, pixel, smallest,
                                                        volume);
     }
   };
@@ -169,7 +166,7 @@ HWY_NOINLINE HWY_ATTR void SweepPixel(const SweepFrame& frame, const SweepRow& r
 // Path costs of zero let the paths of the directions from `first` on start anew at their next
 // pixel.
 HWY_INLINE void ClearDirections(const PathLayout& layout, const PathRow& row, int u, int first) {
-  std::uint8_t* pixel = PixelAt(row, u, layout.pixel_stride);
+  std::uint8_t* pixel = row[u];
   for (int r = first; r < kSweepDirections; ++r) {
     pixel[r] = 0;
     std::memset(pixel + kBlockPad + r * layout.block_stride, 0, layout.range);
@@ -230,24 +227,40 @@ HWY_ATTR void RunBand(const SweepFrame& frame, bool second_sweep, const SweepRow
 
 HWY_ATTR int SweepLanes() { return static_cast<int>(hn::Lanes(D8())); }
 
-HWY_ATTR void PenaltyRow(const std::uint8_t* current, const std::uint8_t* previous, int width,
-                         const std::uint8_t* table, std::uint8_t* penalties) {
+// P2 of a vector of pixels by their grey-level steps; `tables` sixteenths of the table have to be looked up.
+HWY_INLINE V8 LookUpPenalties(D8 d, const std::uint8_t* table, int tables, V8 step) {
+  const V8 index = hn::And(step, hn::Set(d, std::uint8_t{15}));
+  V8 penalty = hn::Set(d, table[255]);
+  for (int t = tables - 1; t >= 0; --t) {
+    const V8 entries = hn::TableLookupBytes(hn::LoadDup128(d, table + 16 * t), index);
+    const V8 last = hn::Set(d, static_cast<std::uint8_t>(16 * t + 15));
+    penalty = hn::IfThenElse(hn::Eq(hn::Min(step, last), step), entries, penalty);
+  }
+  return penalty;
+}
+
+HWY_ATTR void PenaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous,
+                         int directions, int width, const std::uint8_t* table,
+                         std::uint8_t* penalties) {
   const D8 d;
   // The table falls until it stays at its last value; only that part has to be looked up.
   int tables = 16;
   while (tables > 1 && table[16 * (tables - 1) - 1] == table[255]) --tables;
-  const V8 low_bits = hn::Set(d, std::uint8_t{15});
-  for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(d))) {
-    const V8 a = hn::LoadU(d, current + u), b = hn::LoadU(d, previous + u);
-    const V8 step = hn::Sub(hn::Max(a, b), hn::Min(a, b));
-    const V8 index = hn::And(step, low_bits);
-    V8 penalty = hn::Set(d, table[255]);
-    for (int t = tables - 1; t >= 0; --t) {
-      const V8 entries = hn::TableLookupBytes(hn::LoadDup128(d, table + 16 * t), index);
-      const V8 last = hn::Set(d, static_cast<std::uint8_t>(16 * t + 15));
-      penalty = hn::IfThenElse(hn::Eq(hn::Min(step, last), step), entries, penalty);
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int u = 0; u < width; u += lanes) {
+    const V8 grey = hn::LoadU(d, current + u);
+    alignas(64) std::uint8_t by_direction[kSweepDirections][kMaxLanes] = {};
+    for (int r = 0; r < directions; ++r) {
+      const V8 other = hn::LoadU(d, previous[r] + u);
+      const V8 step = hn::Sub(hn::Max(grey, other), hn::Min(grey, other));
+      hn::Store(LookUpPenalties(d, table, tables, step), d, by_direction[r]);
     }
-    hn::StoreU(penalty, d, penalties + u);
+    std::uint8_t* out = penalties + static_cast<std::size_t>(u) * kSweepDirections;
+    for (int i = 0; i < lanes; ++i) {
+      for (int r = 0; r < kSweepDirections; ++r) {
+        out[i * kSweepDirections + r] = by_direction[r][i];
+      }
+    }
   }
 }
 
@@ -268,9 +281,9 @@ void runBand(const SweepFrame& frame, bool second_sweep, const SweepRow* rows, i
   HWY_DYNAMIC_DISPATCH(RunBand)(frame, second_sweep, rows, row_count, before, own);
 }
 
-void penaltyRow(const std::uint8_t* current, const std::uint8_t* previous, int width,
-                const std::uint8_t* table, std::uint8_t* penalties) {
-  HWY_DYNAMIC_DISPATCH(PenaltyRow)(current, previous, width, table, penalties);
+void penaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous, int directions,
+                int width, const std::uint8_t* table, std::uint8_t* penalties) {
+  HWY_DYNAMIC_DISPATCH(PenaltyRow)(current, previous, directions, width, table, penalties);
 }
 
 }  // namespace adaptive_grid_stereo

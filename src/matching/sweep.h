@@ -49,11 +49,9 @@ struct PathLayout {
   std::size_t pixel_stride = 0;
 };
 
-/// Path costs of a row, or of its last mask + 1 pixels.
-struct PathRow {
-  std::uint8_t* base = nullptr;
-  int mask = 0;
-};
+/// Where the path costs of a row's pixels lie: [u], -kPathMargin .. width + kPathMargin - 1. A row inside a band
+/// keeps only its last few pixels, so that places recur.
+using PathRow = std::uint8_t* const*;
 
 /// Winners of one row in image coordinates.
 struct WinnerRow {
@@ -68,8 +66,8 @@ constexpr std::uint16_t kNoSum = 0xFFFF;
 
 /// One row within a band.
 struct SweepRow {
-  const std::uint8_t* kinds;                        // [u], -kPathMargin .. width + kPathMargin - 1
-  const std::uint8_t* penalties[kSweepDirections];  // P2 of eq. 7 at [u]
+  const std::uint8_t* kinds;      // [u], -kPathMargin .. width + kPathMargin - 1
+  const std::uint8_t* penalties;  // P2 of eq. 7 at [u * kSweepDirections + direction]
   PathRow current, above, above2;
   const std::uint8_t* left;   // census planes of the row
   const std::uint8_t* right;  // mirrored
@@ -94,6 +92,9 @@ struct alignas(64) BandProgress {
   std::atomic<int> column{0};
 };
 
+/// Most lanes of any target's byte vectors.
+constexpr int kMaxLanes = 64;
+
 /// Lanes of the SIMD target's byte vectors; padded_range must be a multiple.
 int sweepLanes();
 
@@ -102,10 +103,11 @@ int sweepLanes();
 void runBand(const SweepFrame& frame, bool second_sweep, const SweepRow* rows, int row_count,
              const BandProgress* before, BandProgress* own);
 
-/// P2 of eq. 7 for `width` pixels of a row: penalty table by grey-level step between current[u] and
-/// previous[u].
-void penaltyRow(const std::uint8_t* current, const std::uint8_t* previous, int width,
-                const std::uint8_t* table, std::uint8_t* penalties);
+/// P2 of eq. 7 for the pixels of a row and each direction: penalties[u * kSweepDirections + r] is the entry of
+/// `table` (256, falling) for the grey-level step between current[u] and previous[r][u]. Only the first
+/// `directions` (2, 4 or 8) are needed. May write up to a vector's pixels beyond `width`, and read as many.
+void penaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous, int directions,
+                int width, const std::uint8_t* table, std::uint8_t* penalties);
 
 }  // namespace adaptive_grid_stereo
 

@@ -71,12 +71,30 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
     progress_.reset(new BandProgress[bands]);
     progress_size_ = bands;
   }
-  penalty_stride_ = (static_cast<std::size_t>(width) + 63) / 64 * 64 + 64;
+  penalty_stride_ = kSweepDirections * ((static_cast<std::size_t>(width) + 63) / 64 * 64);
   workers_.resize(threads);
   for (Worker& worker : workers_) {
     reserveCosts(kBandRows * kRingPixels, &worker.rings);
-    worker.penalties.reserve(kBandRows * kSweepDirections * penalty_stride_);
+    worker.penalties.reserve(kBandRows * penalty_stride_);
     worker.winners.resize(static_cast<std::size_t>(kBandRows) * kWinnerFields * width);
+  }
+  placePathCosts(threads);
+}
+
+void Sweeps::placePathCosts(int threads) {
+  const std::size_t stride = frame_.layout.pixel_stride;
+  const std::size_t row_pixels = static_cast<std::size_t>(frame_.width) + 2 * kPathMargin;
+  zero_places_.assign(row_pixels, zero_pixel_.data());
+  boundary_places_.resize(2 * (threads + 1) * row_pixels);
+  for (std::size_t i = 0; i < boundary_places_.size(); ++i) {
+    boundary_places_[i] = boundary_rows_.data() + i * stride;
+  }
+  for (Worker& worker : workers_) {
+    worker.ring_places.resize(kBandRows * row_pixels);
+    for (std::size_t i = 0; i < worker.ring_places.size(); ++i) {
+      const std::size_t ring = i / row_pixels, place = i % row_pixels % kRingPixels;
+      worker.ring_places[i] = worker.rings.data() + (ring * kRingPixels + place) * stride;
+    }
   }
 }
 
@@ -112,22 +130,19 @@ void Sweeps::runSweep(const SweepImages& images, bool second, ThreadPool* pool,
 
 void Sweeps::fillPathRows(int band, int row, int row_count, int threads, Worker* worker,
                           SweepRow* out) {
-  const std::size_t pixel_stride = frame_.layout.pixel_stride;
-  const std::size_t row_bytes =
-      (static_cast<std::size_t>(frame_.width) + 2 * kPathMargin) * pixel_stride;
-  constexpr int kWholeRow = 0x7FFFFFFF;
-  // A band leaves its last two rows to the next one. There are enough slots that none is written
-  // again before its reader, which runs on the same thread as the next writer, is done.
+  const std::size_t row_pixels = static_cast<std::size_t>(frame_.width) + 2 * kPathMargin;
+  // A band leaves its last two rows to the next one. There are enough slots that none is written again
+  // before its reader, which runs on the same thread as the next writer, is done.
   const auto boundary = [&](int of_band, int from_last) {
-    if (of_band < 0) return PathRow{zero_pixel_.data(), 0};
+    if (of_band < 0) return zero_places_.data() + kPathMargin;
     const std::size_t slot = of_band % (threads + 1);
-    return PathRow{boundary_rows_.data() + (2 * slot + from_last) * row_bytes, kWholeRow};
+    return boundary_places_.data() + (2 * slot + from_last) * row_pixels + kPathMargin;
   };
-  const auto rowOf = [&](int index) {
+  const auto rowOf = [&](int index) -> PathRow {
     if (index < 0) return boundary(band - 1, -1 - index);
     const int from_last = row_count - 1 - index;
     if (row_count == kBandRows && from_last < 2) return boundary(band, from_last);
-    return PathRow{worker->rings.data() + index * kRingPixels * pixel_stride, kRingPixels - 1};
+    return worker->ring_places.data() + index * row_pixels + kPathMargin;
   };
   out->current = rowOf(row);
   out->above = rowOf(row - 1);
@@ -141,16 +156,14 @@ void Sweeps::fillPenalties(const SweepImages& images, bool second, int v, int ro
   const auto pixels = [&](int of_v) { return image.row(second ? frame_.height - 1 - of_v : of_v); };
   constexpr int kStep[kSweepDirections][2] = {{1, 0}, {0, 1},  {1, 1}, {-1, 1},
                                               {2, 1}, {-2, 1}, {1, 2}, {-1, 2}};
-  const int directions = kinds_[second].directions(v);
+  const std::uint8_t* previous[kSweepDirections];
   for (int r = 0; r < kSweepDirections; ++r) {
-    std::uint8_t* target =
-        worker->penalties.data() + (row * kSweepDirections + r) * penalty_stride_;
-    out->penalties[r] = target;
-    if (r < directions) {
-      penaltyRow(pixels(v), pixels(v - kStep[r][1]) - kStep[r][0], frame_.width, penalty_table_,
-                 target);
-    }
+    previous[r] = pixels(v - kStep[r][1]) - kStep[r][0];
   }
+  std::uint8_t* target = worker->penalties.data() + row * penalty_stride_;
+  penaltyRow(pixels(v), previous, kinds_[second].directions(v), frame_.width, penalty_table_,
+             target);
+  out->penalties = target;
 }
 
 void Sweeps::runBandOf(const SweepImages& images, bool second, int band, int threads,

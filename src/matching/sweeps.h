@@ -39,7 +39,8 @@ class Sweeps {
  private:
   struct Worker {
     AlignedBuffer<std::uint8_t> rings;      // path costs of the rows within a band
-    AlignedBuffer<std::uint8_t> penalties;  // [row][direction][u]
+    std::vector<std::uint8_t*> ring_places; // [row][u]
+    AlignedBuffer<std::uint8_t> penalties;  // [row][u][direction]
     std::vector<std::uint16_t> winners;     // [row][field][x]
     RightClaims claims;
   };
@@ -47,6 +48,7 @@ class Sweeps {
   void runSweep(const SweepImages& images, bool second, ThreadPool* pool, cv::Mat* disparity);
   void runBandOf(const SweepImages& images, bool second, int band, int threads, Worker* worker,
                  cv::Mat* disparity);
+  void placePathCosts(int threads);
   void fillPathRows(int band, int row, int row_count, int threads, Worker* worker, SweepRow* out);
   void fillPenalties(const SweepImages& images, bool second, int v, int row, Worker* worker,
                      SweepRow* out);
@@ -59,7 +61,9 @@ class Sweeps {
   PathPlan plan_;
   AlignedBuffer<std::uint16_t> volume_;
   AlignedBuffer<std::uint8_t> boundary_rows_;  // two rows of path costs per slot
+  std::vector<std::uint8_t*> boundary_places_;  // [row][u]
   AlignedBuffer<std::uint8_t> zero_pixel_;
+  std::vector<std::uint8_t*> zero_places_;  // [u]
   std::unique_ptr<BandProgress[]> progress_;
   int progress_size_ = 0;
   std::vector<Worker> workers_;
