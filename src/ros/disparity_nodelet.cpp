@@ -169,13 +169,11 @@ void DisparityNodelet::onPair(const StereoPair& pair) {
   if (config_.approximate_sync) limits.max_stamp_difference = config_.approximate_sync_max_interval;
   const InputVerdict verdict = checkPair(pair, limits, sync_->topics());
   for (const std::string& warning : verdict.warnings) {
-    if (oddities_.pass(warning.substr(0, 24))) NODELET_WARN("%s", warning.c_str());
+    if (oddities_.pass(warning)) NODELET_WARN("%s", warning.c_str());
   }
   if (!verdict.ok()) {
     diagnostics_->onRefused(verdict.error);
-    if (errors_.pass(std::to_string(static_cast<int>(verdict.fault)))) {
-      NODELET_ERROR("%s", verdict.error.c_str());
-    }
+    if (errors_.pass(verdict.error)) NODELET_ERROR("%s", verdict.error.c_str());
     return;
   }
   diagnostics_->onGoodPair(verdict.geometry, pair.left->header.frame_id);

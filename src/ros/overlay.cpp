@@ -80,8 +80,10 @@ class Writer {
   void centred(const std::string& text, cv::Point centre, double scale, const cv::Scalar& color) {
     const cv::Size size = sizeOf(text, scale);
     const cv::Point origin(centre.x - size.width / 2, centre.y + size.height / 2);
-    put(text, origin, scale, kBlack, thickness_ + 2 * std::max(1, thickness_));
-    put(text, origin, scale, color, thickness_);
+    const int stroke =
+        std::max(1, static_cast<int>(std::lround(2.4 * unit_ * std::min(scale, 1.0))));
+    put(text, origin, scale, kBlack, stroke + 2 * std::max(1, stroke * 2 / 3));
+    put(text, origin, scale, color, stroke);
   }
 
   /// A dark translucent bar across the picture, from y on, with writing at its left and right end.

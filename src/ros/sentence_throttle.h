@@ -1,6 +1,7 @@
 #ifndef ADAPTIVE_GRID_STEREO_SRC_ROS_SENTENCE_THROTTLE_H
 #define ADAPTIVE_GRID_STEREO_SRC_ROS_SENTENCE_THROTTLE_H
 
+#include <cctype>
 #include <map>
 #include <string>
 
@@ -14,7 +15,11 @@ class SentenceThrottle {
  public:
   explicit SentenceThrottle(double period) : period_(period) {}
 
-  bool pass(const std::string& kind) {
+  bool pass(const std::string& sentence) {
+    std::string kind;
+    for (const char letter : sentence) {
+      if (std::isdigit(static_cast<unsigned char>(letter)) == 0) kind += letter;
+    }
     const double now = ros::SteadyTime::now().toSec();
     const auto last = last_.find(kind);
     if (last != last_.end() && now < last->second + period_) return false;
