@@ -17,7 +17,8 @@ constexpr double kInterpolationReach = 0.025;
 /// straight line from `from` to `to` within dt [s].
 inline Eigen::Vector3d lowPassStep(const Eigen::Vector3d& output, const Eigen::Vector3d& from,
                                    const Eigen::Vector3d& to, double dt, double tau) {
-  if (tau <= 0.0 || dt <= 0.0) return to;
+  if (tau <= 0.0) return to;
+  if (dt <= 0.0) return output;
   const Eigen::Vector3d lag = (to - from) * (tau / dt);
   return to - lag + (output - from + lag) * std::exp(-dt / tau);
 }
