@@ -75,8 +75,27 @@ HWY_INLINE void HammingDistances(const std::uint8_t* left, const std::uint8_t* r
   }
 }
 
-// costs: padded_range aligned bytes; the largest cost where x - d leaves the image, 255 from
-// `range` on.
+// Costs of a pixel whose disparities all stay inside the right image. costs: `range` aligned bytes, a
+// multiple of the lanes.
+HWY_INLINE void InnerPixelCosts(const SweepFrame& frame, const std::uint8_t* left_row,
+                                const std::uint8_t* right_row, int x, int range,
+                                std::uint8_t* costs) {
+  const std::size_t stride = censusStride(frame.width);
+  const std::uint8_t* left = left_row + kCensusMargin + x;
+  const std::uint8_t* right =
+      right_row + kCensusMargin + (frame.width - 1 - x + frame.min_disparity);
+  switch (frame.window) {
+    case CensusWindow::k5x5:
+      return HammingDistances<3>(left, right, stride, 0, range, costs);
+    case CensusWindow::k7x7:
+      return HammingDistances<6>(left, right, stride, 0, range, costs);
+    case CensusWindow::k9x7:
+      return HammingDistances<8>(left, right, stride, 0, range, costs);
+  }
+}
+
+// Costs of any pixel: the largest where x - d leaves the image, 255 from `range` on. costs:
+// padded_range aligned bytes.
 HWY_INLINE void PixelCosts(const SweepFrame& frame, const std::uint8_t* left_row,
                            const std::uint8_t* right_row, int x, std::uint8_t* costs) {
   const hn::ScalableTag<std::uint8_t> d;

@@ -85,6 +85,18 @@ HWY_INLINE V8 Transition(D8 d, const Path& path, int k, V8 penalty_small) {
   return hn::Sub(hn::Min(hn::Min(hn::LoadU(d, from), path.limit), stepped), path.smallest);
 }
 
+// Minimum over the blocks of 16 bytes.
+HWY_INLINE auto FoldToBlock(V8 v) {
+#if HWY_TARGET == HWY_AVX2
+  return hn::Min(hn::LowerHalf(v), hn::UpperHalf(hn::Half<D8>(), v));
+#elif HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  const auto half = hn::Min(hn::LowerHalf(v), hn::UpperHalf(hn::Half<D8>(), v));
+  return hn::Min(hn::LowerHalf(half), hn::UpperHalf(hn::Half<hn::Half<D8>>(), half));
+#else
+  return v;
+#endif
+}
+
 // Smallest lane of each of 2, 4 or 8 vectors, to as many bytes at `smallest` (8 bytes are written).
 template <int kDirections>
 HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* smallest) {
@@ -108,13 +120,8 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* smallest) {
                     hn::BitCast(d, hn::InterleaveUpper(d32, a32, b32)));
     }
   }
-  alignas(64) std::uint8_t blocks[kMaxLanes];
-  hn::Store(all, d, blocks);
+  auto block = FoldToBlock(all);
   const hn::Full128<std::uint8_t> d128;
-  auto block = hn::Load(d128, blocks);
-  for (size_t b = 16; b < hn::Lanes(d); b += 16) {
-    block = hn::Min(block, hn::Load(d128, blocks + b));
-  }
   block = hn::Min(block, hn::ShiftRightBytes<8>(d128, block));
   if (kDirections < 8) block = hn::Min(block, hn::ShiftRightBytes<4>(d128, block));
   if (kDirections < 4) block = hn::Min(block, hn::ShiftRightBytes<2>(d128, block));
@@ -123,10 +130,10 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* smallest) {
 
 // The path costs of `kVectors` vectors of disparities from index k on, for all directions; returns the sums
 // of the transitions (the matching cost is added later, once for all directions).
-template <int kDirections, int kVectors, bool kFirst>
+template <int kDirections, int kVectors>
 HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel,
-                                 std::size_t block_stride, const V8* cost, int k, V8 penalty_small,
-                                 V8* smallest, ByteSums* sums) {
+                                 std::size_t block_stride, const V8* cost, int k, bool first,
+                                 V8 penalty_small, V8* smallest, ByteSums* sums) {
   const D8 d;
   const D16 d16;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -142,8 +149,8 @@ HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel
       const V8 cost_a = hn::SaturatedAdd(a, cost[i]), cost_b = hn::SaturatedAdd(b, cost[i]);
       hn::StoreU(cost_a, d, path_a.to + at);
       hn::StoreU(cost_b, d, path_b.to + at);
-      smallest[kA] = kFirst && i == 0 ? cost_a : hn::Min(smallest[kA], cost_a);
-      smallest[kB] = kFirst && i == 0 ? cost_b : hn::Min(smallest[kB], cost_b);
+      smallest[kA] = first && i == 0 ? cost_a : hn::Min(smallest[kA], cost_a);
+      smallest[kB] = first && i == 0 ? cost_b : hn::Min(smallest[kB], cost_b);
       // Two transitions fit a byte. Their sums: `even` gathers even + 256 * odd modulo 65536.
       const V16 pair = hn::BitCast(d16, hn::Add(a, b));
       const V16 high = hn::ShiftRight<8>(pair);

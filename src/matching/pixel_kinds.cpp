@@ -46,6 +46,7 @@ void PixelKinds::assign(const PathPlan& original, bool second_sweep) {
   const int width = plan.column_edges[3], height = plan.row_edges[3];
   stride_ = static_cast<std::size_t>(width) + 2 * kPathMargin;
   tables_.clear();
+  ends_.clear();
   directions_.clear();
   table_of_row_.resize(height);
   std::map<Reach, int> known;
@@ -70,6 +71,13 @@ void PixelKinds::assign(const PathPlan& original, bool second_sweep) {
       most = std::max(most, paths);
     }
     directions_.push_back(most / 2);
+    ends_.resize(tables_.size());
+    int* ends = ends_.data() + ends_.size() - stride_ + kPathMargin;
+    int next = width + kPathMargin;
+    for (int u = width + kPathMargin - 1; u >= -kPathMargin; --u) {
+      if (u + 1 < width + kPathMargin && kinds[u] != kinds[u + 1]) next = u + 1;
+      ends[u] = next;
+    }
   }
 }
 

@@ -21,12 +21,18 @@ class PixelKinds {
     return tables_.data() + static_cast<std::size_t>(table_of_row_[v]) * stride_ + kPathMargin;
   }
 
+  /// For each u of row v the next one of another kind, or of the row's end.
+  const int* ends(int v) const {
+    return ends_.data() + static_cast<std::size_t>(table_of_row_[v]) * stride_ + kPathMargin;
+  }
+
   /// Largest number of directions of any pixel of row v: 2, 4 or 8.
   int directions(int v) const { return directions_[table_of_row_[v]]; }
 
  private:
   std::size_t stride_ = 0;
   std::vector<std::uint8_t> tables_;
+  std::vector<int> ends_;
   std::vector<int> directions_;
   std::vector<int> table_of_row_;
 };

@@ -1,5 +1,6 @@
 #include "src/matching/sweep.h"
 
+#include <algorithm>
 #include <cstring>
 #include <thread>
 
@@ -7,6 +8,7 @@
 #define HWY_TARGET_INCLUDE "src/matching/sweep.cpp"
 #include "src/matching/simd-inl.h"
 //
+#include "src/matching/disparity_selection-inl.h"
 #include "src/matching/disparity_selection-inl.h"
 #include "src/matching/matching_cost-inl.h"
 #include "src/matching/path_aggregation-inl.h"
@@ -21,6 +23,7 @@ constexpr int kMaxRange = 512;
 // Bits of the volume's 16 that hold the matching cost; the sum of the first sweep's transitions has
 // the rest.
 constexpr int kCostBits = 6;
+constexpr std::uint16_t kCostMask = 63;
 
 // Waits until the band above has finished `column`; returns how far it has come.
 inline int waitFor(const BandProgress& progress, int column) {
@@ -40,127 +43,148 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
-// Sums in the order of the disparities.
-HWY_INLINE void StoreInOrder(D16 d, V16 even, V16 odd, std::uint16_t* sums) {
-  const V16 lower = hn::InterleaveLower(d, even, odd), upper = hn::InterleaveUpper(d, even, odd);
-  const std::size_t lanes = hn::Lanes(d);
-  if (lanes == 8) {
-    hn::Store(lower, d, sums);
-    hn::Store(upper, d, sums + 8);
-    return;
+// A pixel's work, specialised: kDirections 2, 4 or 8; kPadded the padded range if known at compile time, else 0;
+// kInner if all disparities stay inside the right image and the range needs no padding.
+template <int kDirections, int kPadded, bool kInner>
+struct PixelSweep {
+  static HWY_INLINE int PaddedRange(const SweepFrame& frame) {
+    return kPadded ? kPadded : frame.layout.padded_range;
   }
-  // Interleaving works within blocks of 16 bytes, which have to be dealt out.
-#if HWY_TARGET == HWY_AVX2
-  hn::Store(hn::ConcatLowerLower(d, upper, lower), d, sums);
-  hn::Store(hn::ConcatUpperUpper(d, upper, lower), d, sums + lanes);
-#elif HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-  const hn::Repartition<std::uint64_t, D16> d64;
-  alignas(64) static constexpr std::int64_t kPairs[8] = {0, 1, 4, 5, 2, 3, 6, 7};
-  const auto indices = hn::SetTableIndices(d64, kPairs);
-  const auto dealOut = [&](V16 blocks) HWY_ATTR {
-    return hn::BitCast(d, hn::TableLookupLanes(hn::BitCast(d64, blocks), indices));
-  };
-  hn::Store(dealOut(hn::ConcatLowerLower(d, upper, lower)), d, sums);
-  hn::Store(dealOut(hn::ConcatUpperUpper(d, upper, lower)), d, sums + lanes);
-#endif
-}
+  static HWY_INLINE std::size_t BlockStride(const SweepFrame& frame) {
+    return static_cast<std::size_t>(PaddedRange(frame)) + kBlockPad;
+  }
 
-template <int kDirections, int kVectors, bool kFirst>
-HWY_INLINE void FirstSweepVectors(const SweepFrame& frame, const SweepRow& row, int u,
-                                  const std::uint8_t* costs, int k, std::uint8_t* pixel,
-                                  V8* smallest, std::uint16_t* volume) {
-  const D8 d;
-  const D16 d16;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  V8 cost[kVectors];
-  for (int i = 0; i < kVectors; ++i) cost[i] = hn::Load(d, costs + k + i * lanes);
-  ByteSums sums[kVectors];
-  AggregateVectors<kDirections, kVectors, kFirst>(
-      row, u, pixel, frame.layout.block_stride, cost, k,
-      hn::Set(d, static_cast<std::uint8_t>(frame.penalty_small)), smallest, sums);
-  for (int i = 0; i < kVectors; ++i) {
-    const V16 cost16 = hn::BitCast(d16, cost[i]);
-    const V16 even = hn::Or(hn::ShiftLeft<kCostBits>(sums[i].even),
-                            hn::And(cost16, hn::Set(d16, std::uint16_t{63})));
-    const V16 odd = hn::Or(hn::ShiftLeft<kCostBits>(sums[i].odd), hn::ShiftRight<8>(cost16));
-    hn::Store(even, d16, volume + k + i * lanes);
-    hn::Store(odd, d16, volume + k + i * lanes + lanes / 2);
-  }
-}
-
-template <int kDirections, int kVectors, bool kFirst>
-HWY_INLINE void SecondSweepVectors(const SweepFrame& frame, const SweepRow& row, int u, int k,
-                                   std::uint8_t* pixel, V8* smallest, const std::uint16_t* volume,
-                                   std::uint16_t* all_sums) {
-  const D8 d;
-  const D16 d16;
-  constexpr int kLogPaths = kDirections == 2 ? 2 : kDirections == 4 ? 3 : 4;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const V16 cost_mask = hn::Set(d16, std::uint16_t{63});
-  V8 cost[kVectors];
-  for (int i = 0; i < kVectors; ++i) {
-    const V16 even = hn::And(hn::Load(d16, volume + k + i * lanes), cost_mask);
-    const V16 odd = hn::And(hn::Load(d16, volume + k + i * lanes + lanes / 2), cost_mask);
-    cost[i] = hn::BitCast(d, hn::Or(even, hn::ShiftLeft<8>(odd)));
-    if (k + (i + 1) * lanes > frame.layout.range) {
-      // Beyond the range the cost is 255, which the volume has no room for.
-      const int inside = frame.layout.range - (k + i * lanes);
-      cost[i] = hn::IfThenElse(hn::FirstN(d, inside > 0 ? inside : 0), cost[i],
-                               hn::Set(d, std::uint8_t{255}));
-    }
-  }
-  ByteSums sums[kVectors];
-  AggregateVectors<kDirections, kVectors, kFirst>(
-      row, u, pixel, frame.layout.block_stride, cost, k,
-      hn::Set(d, static_cast<std::uint8_t>(frame.penalty_small)), smallest, sums);
-  for (int i = 0; i < kVectors; ++i) {
-    const V16 first_even = hn::Load(d16, volume + k + i * lanes);
-    const V16 first_odd = hn::Load(d16, volume + k + i * lanes + lanes / 2);
-    const V16 even = hn::Add(hn::Add(sums[i].even, hn::ShiftRight<kCostBits>(first_even)),
-                             hn::ShiftLeft<kLogPaths>(hn::And(first_even, cost_mask)));
-    const V16 odd = hn::Add(hn::Add(sums[i].odd, hn::ShiftRight<kCostBits>(first_odd)),
-                            hn::ShiftLeft<kLogPaths>(hn::And(first_odd, cost_mask)));
-    StoreInOrder(d16, even, odd, all_sums + k + i * lanes);
-  }
-}
-
-template <int kDirections, bool kSecondSweep>
-HWY_NOINLINE HWY_ATTR void SweepPixel(const SweepFrame& frame, const SweepRow& row, int u) {
-  const D8 d;
-  const PathLayout& layout = frame.layout;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const int x = kSecondSweep ? frame.width - 1 - u : u;
-  std::uint8_t* pixel = row.current[u];
-  std::uint16_t* volume = row.volume + static_cast<std::size_t>(x) * layout.padded_range;
-  alignas(64) std::uint8_t costs[kSecondSweep ? 64 : kMaxRange];
-  alignas(64) std::uint16_t sums[kSecondSweep ? kMaxRange : 32];
-  if (!kSecondSweep) PixelCosts(frame, row.left, row.right, x, costs);
-  V8 smallest[kSweepDirections];
-  const auto vectors = [&](auto count, auto first, int k) HWY_ATTR {
-    constexpr int kVectors = decltype(count)::value;
-    constexpr bool kFirst = decltype(first)::value;
-    if (kSecondSweep) {
-      SecondSweepVectors<kDirections, kVectors, kFirst>(frame, row, u, k, pixel, smallest, volume,
-                                                        sums);
+  // Costs, first half of the paths, volume.
+  static HWY_INLINE void First(const SweepFrame& frame, const SweepRow& row, int u) {
+    const D8 d;
+    std::uint8_t* pixel = row.current[u];
+    std::uint16_t* volume = row.volume + static_cast<std::size_t>(u) * PaddedRange(frame);
+    alignas(64) std::uint8_t costs[kPadded ? kPadded : kMaxRange];
+    if (kInner) {
+      InnerPixelCosts(frame, row.left, row.right, u, PaddedRange(frame), costs);
     } else {
-      FirstSweepVectors<kDirections, kVectors, kFirst>(frame, row, u, costs, k, pixel, smallest,
-                                                       volume);
+      PixelCosts(frame, row.left, row.right, u, costs);
     }
-  };
-  using One = std::integral_constant<int, 1>;
-  using Two = std::integral_constant<int, 2>;
-  int k = 0;
-  if (layout.padded_range >= 2 * lanes) {
-    vectors(Two(), std::true_type(), 0);
-    for (k = 2 * lanes; k + 2 * lanes <= layout.padded_range; k += 2 * lanes) {
-      vectors(Two(), std::false_type(), k);
-    }
-    if (k < layout.padded_range) vectors(One(), std::false_type(), k);
-  } else {
-    vectors(One(), std::true_type(), 0);
+    V8 smallest[kSweepDirections];
+    ForAllVectors(frame, [&](auto count, int k) HWY_ATTR {
+      constexpr int kVectors = decltype(count)::value;
+      const int lanes = static_cast<int>(hn::Lanes(d));
+      V8 cost[kVectors];
+      for (int i = 0; i < kVectors; ++i) cost[i] = hn::Load(d, costs + k + i * lanes);
+      ByteSums sums[kVectors];
+      Aggregate<kVectors>(frame, row, u, pixel, cost, k, smallest, sums);
+      for (int i = 0; i < kVectors; ++i) Pack(cost[i], sums[i], volume + k + i * lanes);
+    });
+    StoreSmallest<kDirections>(d, smallest, pixel);
   }
-  StoreSmallest<kDirections>(d, smallest, pixel);
-  if (kSecondSweep) SelectWinner(frame, sums, x, row.winners);
+
+  // Second half of the paths, sums, winner.
+  static HWY_INLINE void Second(const SweepFrame& frame, const SweepRow& row, int u) {
+    const D8 d;
+    const int x = frame.width - 1 - u;
+    std::uint8_t* pixel = row.current[u];
+    const std::uint16_t* volume = row.volume + static_cast<std::size_t>(x) * PaddedRange(frame);
+    alignas(64) std::uint16_t all_sums[kPadded ? kPadded : kMaxRange];
+    V8 smallest[kSweepDirections];
+    WinnerSearch search = StartSearch();
+    ForAllVectors(frame, [&](auto count, int k) HWY_ATTR {
+      constexpr int kVectors = decltype(count)::value;
+      const int lanes = static_cast<int>(hn::Lanes(d));
+      V8 cost[kVectors];
+      for (int i = 0; i < kVectors; ++i) cost[i] = UnpackCost(frame, volume, k + i * lanes);
+      ByteSums sums[kVectors];
+      Aggregate<kVectors>(frame, row, u, pixel, cost, k, smallest, sums);
+      for (int i = 0; i < kVectors; ++i) {
+        const int at = k + i * lanes;
+        AddFirstSweep(volume + at, &sums[i]);
+        hn::Store(sums[i].even, D16(), all_sums + at);
+        hn::Store(sums[i].odd, D16(), all_sums + at + lanes / 2);
+        if (kInner) AddToSearch(sums[i], at / lanes, &search);
+      }
+    });
+    StoreSmallest<kDirections>(d, smallest, pixel);
+    if (kInner) {
+      int key = 0;
+      const int winner = EndSearch(search, &key);
+      RecordWinner(frame, all_sums, PaddedRange(frame), x, winner, 0, PaddedRange(frame),
+                   row.winners);
+    } else {
+      SelectAmongCandidates(frame, all_sums, x, row.winners);
+    }
+  }
+
+ private:
+  // Calls f(integral_constant<int, vectors>, first disparity) for two vectors at a time, then one.
+  template <class F>
+  static HWY_INLINE void ForAllVectors(const SweepFrame& frame, const F& f) {
+    using One = std::integral_constant<int, 1>;
+    using Two = std::integral_constant<int, 2>;
+    const int lanes = static_cast<int>(hn::Lanes(D8()));
+    const int padded = PaddedRange(frame);
+    int k = 0;
+    for (; k + 2 * lanes <= padded; k += 2 * lanes) f(Two(), k);
+    if (k < padded) f(One(), k);
+  }
+
+  template <int kVectors>
+  static HWY_INLINE void Aggregate(const SweepFrame& frame, const SweepRow& row, int u,
+                                   std::uint8_t* pixel, const V8* cost, int k, V8* smallest,
+                                   ByteSums* sums) {
+    AggregateVectors<kDirections, kVectors>(
+        row, u, pixel, BlockStride(frame), cost, k, k == 0,
+        hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small)), smallest, sums);
+  }
+
+  static HWY_INLINE void Pack(V8 cost, const ByteSums& sums, std::uint16_t* volume) {
+    const D16 d;
+    const V16 cost16 = hn::BitCast(d, cost);
+    const V16 even_cost = hn::And(cost16, hn::Set(d, kCostMask));
+    hn::Store(hn::Or(hn::ShiftLeft<kCostBits>(sums.even), even_cost), d, volume);
+    hn::Store(hn::Or(hn::ShiftLeft<kCostBits>(sums.odd), hn::ShiftRight<8>(cost16)), d,
+              volume + hn::Lanes(d));
+  }
+
+  static HWY_INLINE V8 UnpackCost(const SweepFrame& frame, const std::uint16_t* volume, int k) {
+    const D8 d;
+    const D16 d16;
+    const V16 mask = hn::Set(d16, kCostMask);
+    const V16 even = hn::And(hn::Load(d16, volume + k), mask);
+    const V16 odd = hn::And(hn::Load(d16, volume + k + hn::Lanes(d16)), mask);
+    const V8 cost = hn::BitCast(d, hn::Or(even, hn::ShiftLeft<8>(odd)));
+    if (kInner) return cost;
+    // Beyond the range the cost is 255, which the volume has no room for.
+    const int lanes = static_cast<int>(hn::Lanes(d));
+    return hn::IfThenElse(hn::FirstN(d, std::clamp(frame.layout.range - k, 0, lanes)), cost,
+                          hn::Set(d, std::uint8_t{255}));
+  }
+
+  // Adds what the first sweep left, and the matching cost once for every path of both sweeps.
+  static HWY_INLINE void AddFirstSweep(const std::uint16_t* volume, ByteSums* sums) {
+    const D16 d;
+    constexpr int kLogPaths = kDirections == 2 ? 2 : kDirections == 4 ? 3 : 4;
+    const auto add = [&](V16 sum, V16 packed) HWY_ATTR {
+      const V16 cost = hn::ShiftLeft<kLogPaths>(hn::And(packed, hn::Set(d, kCostMask)));
+      return hn::Add(hn::Add(sum, hn::ShiftRight<kCostBits>(packed)), cost);
+    };
+    sums->even = add(sums->even, hn::Load(d, volume));
+    sums->odd = add(sums->odd, hn::Load(d, volume + hn::Lanes(d)));
+  }
+};
+
+// Rows r of a band at pixels step - kBandLag * r, for steps [begin, end).
+template <int kDirections, int kPadded, bool kInner, bool kSecondSweep>
+HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                                    int begin, int end) {
+  using Pixel = PixelSweep<kDirections, kPadded, kInner>;
+  for (int step = begin; step < end; ++step) {
+    for (int r = 0; r < row_count; ++r) {
+      if (kSecondSweep) {
+        Pixel::Second(frame, rows[r], step - kBandLag * r);
+      } else {
+        Pixel::First(frame, rows[r], step - kBandLag * r);
+      }
+    }
+  }
 }
 
 // Path costs of zero let the paths of the directions from `first` on start anew at their next
@@ -173,25 +197,56 @@ HWY_INLINE void ClearDirections(const PathLayout& layout, const PathRow& row, in
   }
 }
 
+// One pixel of any kind.
 template <bool kSecondSweep>
 HWY_ATTR void SweepStep(const SweepFrame& frame, const SweepRow& row, int u) {
   const int kind = row.kinds[u];
   int first_unused = 0;
   switch (kind & ~kClearRest) {
     case kTwo:
-      SweepPixel<2, kSecondSweep>(frame, row, u);
+      SweepRun<2, 0, false, kSecondSweep>(frame, &row, 1, u, u + 1);
       first_unused = 2;
       break;
     case kFour:
-      SweepPixel<4, kSecondSweep>(frame, row, u);
+      SweepRun<4, 0, false, kSecondSweep>(frame, &row, 1, u, u + 1);
       first_unused = 4;
       break;
     case kEight:
-      SweepPixel<8, kSecondSweep>(frame, row, u);
+      SweepRun<8, 0, false, kSecondSweep>(frame, &row, 1, u, u + 1);
       return;
   }
   if (kind == kClear || (kind & kClearRest) != 0) {
     ClearDirections(frame.layout, row.current, u, first_unused);
+  }
+}
+
+// Steps from `step` on for which all rows stay in the inner columns and in pixels of one kind, which it tells;
+// 0 if there is none.
+HWY_INLINE int UniformSteps(const SweepRow* rows, int row_count, int step, int inner_begin,
+                            int inner_end, int* kind) {
+  const int last = step - kBandLag * (row_count - 1);
+  if (last < inner_begin || step >= inner_end) return 0;
+  int steps = inner_end - step;
+  *kind = rows[0].kinds[step];
+  for (int r = 0; r < row_count; ++r) {
+    const int u = step - kBandLag * r;
+    if (rows[r].kinds[u] != *kind) return 0;
+    steps = std::min(steps, rows[r].kind_ends[u] - u);
+  }
+  return steps;
+}
+
+// A run of pixels of one kind, all inner ones.
+template <int kPadded, bool kSecondSweep>
+HWY_ATTR void SweepInnerRun(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
+                            int begin, int end) {
+  switch (kind) {
+    case kTwo:
+      return SweepRun<2, kPadded, true, kSecondSweep>(frame, rows, row_count, begin, end);
+    case kFour:
+      return SweepRun<4, kPadded, true, kSecondSweep>(frame, rows, row_count, begin, end);
+    case kEight:
+      return SweepRun<8, kPadded, true, kSecondSweep>(frame, rows, row_count, begin, end);
   }
 }
 
@@ -201,17 +256,46 @@ HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_c
   // Progress is looked at and told once per so many pixels.
   constexpr int kStride = 16;
   const int begin = -kPathMargin, end = frame.width + kPathMargin;
+  const int lag = kBandLag * (row_count - 1);
+  // Inner columns: all disparities stay inside the right image.
+  const int padded = frame.layout.padded_range;
+  int inner_begin = std::max(0, frame.min_disparity + frame.layout.range - 1);
+  int inner_end = std::min(frame.width, frame.width + frame.min_disparity);
+  if (kSecondSweep) {
+    const int turned = frame.width - inner_end;
+    inner_end = frame.width - inner_begin;
+    inner_begin = turned;
+  }
+  if (padded != frame.layout.range || padded > kSearchBlocks * static_cast<int>(hn::Lanes(D8()))) inner_end = 0;
+
   int reached = before ? begin - 1 : end;
-  for (int step = begin; step < end + kBandLag * (row_count - 1); ++step) {
-    const int needed = std::min(step + kPathMargin, end - 1);
-    if (reached < needed) reached = waitFor(*before, std::min(step + kStride, end - 1));
-    for (int r = 0; r < row_count; ++r) {
-      const int u = step - kBandLag * r;
-      if (u >= begin && u < end) SweepStep<kSecondSweep>(frame, rows[r], u);
+  for (int step = begin; step < end + lag;) {
+    const int chunk_end = std::min((step / kStride + 1) * kStride, end + lag);
+    const int needed = std::min(chunk_end - 1 + kPathMargin, end - 1);
+    if (reached < needed) reached = waitFor(*before, needed);
+    while (step < chunk_end) {
+      int kind = kClear;
+      const int uniform =
+          UniformSteps(rows, row_count, step, inner_begin, inner_end, &kind);
+      if (uniform > 0 && kind >= kTwo && kind <= kEight) {
+        const int run_end = std::min(chunk_end, step + uniform);
+        if (padded == 64) {
+          SweepInnerRun<64, kSecondSweep>(frame, rows, row_count, kind, step, run_end);
+        } else if (padded == 128) {
+          SweepInnerRun<128, kSecondSweep>(frame, rows, row_count, kind, step, run_end);
+        } else {
+          SweepInnerRun<0, kSecondSweep>(frame, rows, row_count, kind, step, run_end);
+        }
+        step = run_end;
+        continue;
+      }
+      for (int r = 0; r < row_count; ++r) {
+        const int u = step - kBandLag * r;
+        if (u >= begin && u < end) SweepStep<kSecondSweep>(frame, rows[r], u);
+      }
+      ++step;
     }
-    if (step % kStride == 0) {
-      own->column.store(step - kBandLag * (row_count - 1), std::memory_order_release);
-    }
+    own->column.store(step - 1 - lag, std::memory_order_release);
   }
   own->column.store(end, std::memory_order_release);
 }

@@ -67,6 +67,7 @@ constexpr std::uint16_t kNoSum = 0xFFFF;
 /// One row within a band.
 struct SweepRow {
   const std::uint8_t* kinds;      // [u], -kPathMargin .. width + kPathMargin - 1
+  const int* kind_ends;           // [u] the next column of another kind
   const std::uint8_t* penalties;  // P2 of eq. 7 at [u * kSweepDirections + direction]
   PathRow current, above, above2;
   const std::uint8_t* left;   // census planes of the row

@@ -178,6 +178,7 @@ void Sweeps::runBandOf(const SweepImages& images, bool second, int band, int thr
     const int y = second ? height - 1 - v : v;
     SweepRow& row = rows[i];
     row.kinds = kinds_[second].row(v);
+    row.kind_ends = kinds_[second].ends(v);
     fillPenalties(images, second, v, i, worker, &row);
     fillPathRows(band, i, row_count, threads, worker, &row);
     row.left = images.left_census + y * census_row;
