@@ -47,8 +47,9 @@ else
   need "geodesy (GPS fixes)" libgeographiclib-dev
   need "ROS tests" librostest-dev python3-rostest
 fi
-need "images, vectors, command lines, JSON" \
-  libopencv-dev libeigen3-dev libboost-program-options-dev libboost-thread-dev nlohmann-json3-dev
+need "images, vectors, command lines, YAML, JSON" \
+  libopencv-dev libeigen3-dev libboost-program-options-dev libboost-thread-dev libyaml-cpp-dev \
+  nlohmann-json3-dev
 need "SIMD for every CPU (Google Highway)" libhwy-dev
 need "ray casting for the simulated flight" libembree-dev
 need "unit tests and benchmarks" libgtest-dev libbenchmark-dev
