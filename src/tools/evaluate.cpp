@@ -31,6 +31,7 @@ struct Options {
   std::string methods;
   std::string scenes;
   std::vector<double> speeds;
+  double turn_speed = 0.0;  // 0: V_max
   bool no_peers = false;
   bool per_scene = false;
   bool force = false;
@@ -48,6 +49,8 @@ bool readOptions(int argc, char** argv, Options* o) {
   what.add_options()(
       "speeds", po::value(&o->speeds)->multitoken()->value_name("V..."),
       "forward speeds to plan for [m/s]; a sixth and all of --max-speed if not given")(
+      "turn-speed", po::value(&o->turn_speed)->value_name("V"),
+      "forward speed during the turns [m/s]; --max-speed if not given")(
       "no-peers", po::bool_switch(&o->no_peers), "leave OpenCV's matchers out")(
       "methods", po::value(&o->methods)->value_name("REGEX"),
       "only methods in whose name this is found, e.g. 'uniform 16|SGBM'")(
@@ -86,11 +89,12 @@ void chooseMethods(Options* o) {
   if (o->speeds.empty()) {
     o->speeds = {o->evaluation.guidance.max_speed / 6, o->evaluation.guidance.max_speed};
   }
+  if (o->turn_speed <= 0.0) o->turn_speed = o->evaluation.guidance.max_speed;
   const std::regex filter = regexOf("--methods", o->methods);
   for (const double speed : o->speeds) {
     if (!std::isfinite(speed)) throw UsageError("--speeds must be finite numbers");
   }
-  for (const Method& method : defaultMethods(o->evaluation.guidance, o->speeds)) {
+  for (const Method& method : defaultMethods(o->evaluation.guidance, o->speeds, o->turn_speed)) {
     if (method.is_peer && o->no_peers) continue;
     if (std::regex_search(method.name, filter)) o->evaluation.methods.push_back(method);
   }

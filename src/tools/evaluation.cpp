@@ -71,20 +71,19 @@ void scoreMethods(SceneResult* result) {
 }  // namespace
 
 std::vector<Method> defaultMethods(const GuidanceConfig& guidance,
-                                   const std::vector<double>& speeds) {
+                                   const std::vector<double>& speeds, double turn_speed) {
   std::vector<Method> methods{uniformMethod(16), uniformMethod(8), uniformMethod(4)};
   for (const double speed : speeds) {
     std::ostringstream name;
     name << "forward " << speed << " m/s";
     methods.push_back(motionMethod(name.str(), speed, 0.0, 0.0));
   }
-  const double v = guidance.max_speed;
   const double yaw = guidance.max_yaw_rate;
   const double pitch = guidance.max_pitch_rate;
-  methods.push_back(motionMethod("yaw left", v, yaw, 0.0));
-  methods.push_back(motionMethod("yaw right", v, -yaw, 0.0));
-  methods.push_back(motionMethod("pitch up", v, 0.0, pitch));
-  methods.push_back(motionMethod("pitch down", v, 0.0, -pitch));
+  methods.push_back(motionMethod("yaw left", turn_speed, yaw, 0.0));
+  methods.push_back(motionMethod("yaw right", turn_speed, -yaw, 0.0));
+  methods.push_back(motionMethod("pitch up", turn_speed, 0.0, pitch));
+  methods.push_back(motionMethod("pitch down", turn_speed, 0.0, -pitch));
   for (const bool padded : {false, true}) {
     for (const PeerKind kind : kAllPeers) {
       Method method;

@@ -28,10 +28,10 @@ struct Method {
 };
 
 /// The methods that `evaluate` compares by default: uniform 16, 8, 4; forward at each of `speeds`
-/// [m/s]; turns in the four directions at V_max and the largest rates; every peer, as it is and
-/// padded.
+/// [m/s]; turns in the four directions at turn_speed [m/s] and the largest rates; every peer, as it
+/// is and padded.
 std::vector<Method> defaultMethods(const GuidanceConfig& guidance,
-                                   const std::vector<double>& speeds);
+                                   const std::vector<double>& speeds, double turn_speed);
 
 struct EvaluationOptions {
   MatcherConfig matcher;

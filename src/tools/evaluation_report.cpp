@@ -66,6 +66,7 @@ Json toJson(const MethodSummary& method, bool with_plan) {
     }
   }
   json["time_ms"] = method.time_ms;
+  if (!method.rounds_ms.empty()) json["rounds_ms"] = method.rounds_ms;
   for (const auto& [peer, ratio] : method.ratios) json["time_ratio"][peer] = ratio;
   for (const auto& [region, score] : regionsOf(method)) {
     if (score.pixels > 0) json["error"][region] = toJson(score);

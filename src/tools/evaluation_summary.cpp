@@ -22,6 +22,7 @@ RegionScores meanRegions(const Scenes& scenes, std::size_t method,
 MethodSummary meanMethod(const Scenes& scenes, std::size_t i) {
   MethodSummary mean = scenes.front()->methods[i];
   mean.plan = PathPlan();
+  mean.rounds_ms.clear();
   mean.whole = meanRegions(scenes, i, &MethodSummary::whole);
   mean.in_focus = meanRegions(scenes, i, &MethodSummary::in_focus);
   mean.uniform_in_focus = meanRegions(scenes, i, &MethodSummary::uniform_in_focus);
@@ -63,6 +64,7 @@ SceneSummary summarise(const SceneResult& result) {
     one.in_focus = method.in_focus;
     one.uniform_in_focus = method.uniform_in_focus;
     one.time_ms = medianOf(method.time_ms);
+    one.rounds_ms = method.time_ms;
     for (const MethodResult& peer : result.methods) {
       if (peer.method.is_peer) one.ratios.emplace_back(peer.method.name, timeRatio(method, peer));
     }

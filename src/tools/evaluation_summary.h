@@ -18,6 +18,7 @@ struct MethodSummary {
   RegionScores in_focus;
   RegionScores uniform_in_focus;
   double time_ms = 0.0;                                // median over the rounds
+  std::vector<double> rounds_ms;                       // of a scene, in the order of running
   std::vector<std::pair<std::string, double>> ratios;  // this method's time to each peer's
 };
 
