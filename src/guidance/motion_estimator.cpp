@@ -46,6 +46,15 @@ const char* mix(const Opinions& opinions, const Get& get, Value* value, double* 
   return source;
 }
 
+/// Mean rate of a camera that turns on a turning body, in the optical frame [rad/s]: from where it
+/// pointed before, over the body's turn, to where it points now.
+Eigen::Vector3d cameraRate(const Mounting& mounting, const Eigen::Quaterniond& body_turn) {
+  const Eigen::AngleAxisd turn(mounting.optical_from_body_before * body_turn *
+                               mounting.optical_from_body.conjugate());
+  const double angle = turn.angle() > M_PI ? turn.angle() - 2.0 * M_PI : turn.angle();
+  return turn.axis() * (angle / mounting.interval);
+}
+
 template <typename Sample>
 SourceReport reportOf(const SampleBuffer<Sample>& samples, std::uint64_t invalid) {
   SourceReport report;
@@ -127,8 +136,12 @@ bool MotionEstimator::Impl::ratesAt(double time, double stamp, const MountingLoo
       motion->reason = known->error;
       return false;
     }
-    rate = known->optical_from_body * bodyVector(rate, config.rate_axes, config.tf_axes) +
-           known->relative_rate;
+    if (known->interval > 0.0) {
+      rate = cameraRate(*known, sources.turn(item.rate.source, time - known->interval, time,
+                                             config.tf_axes, config));
+      continue;
+    }
+    rate = known->optical_from_body * bodyVector(rate, config.rate_axes, config.tf_axes);
   }
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();
   const auto rateOf = [](const auto& item) -> const auto& { return item.rate; };

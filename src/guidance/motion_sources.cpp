@@ -211,6 +211,14 @@ std::vector<MotionSources::FramedRate> MotionSources::rates(double time,
   return result;
 }
 
+Eigen::Quaterniond MotionSources::turn(const std::string& source, double from, double to,
+                                       RateAxes axes, const MotionConfig& config) const {
+  Eigen::Quaterniond turn =
+      source == "imu" ? turnBetween(imu, from, to) : turnBetween(odom, from, to);
+  turn.vec() = bodyVector(turn.vec(), config.rate_axes, axes);
+  return turn;
+}
+
 bool MotionSources::ready(double time, const MotionConfig& config) const {
   const double timeout = config.motion_timeout;
   if (!delivered(imu, time, timeout)) return false;

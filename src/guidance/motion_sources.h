@@ -36,6 +36,11 @@ class MotionSources {
   std::vector<Speed> speeds(double time, const MotionConfig& config);
   std::vector<FramedRate> rates(double time, const MotionConfig& config) const;
 
+  /// How the body of that rate source turned from one time to another [s], by its samples converted
+  /// to `axes`: the rotation from its later to its earlier axes.
+  Eigen::Quaterniond turn(const std::string& source, double from, double to, RateAxes axes,
+                          const MotionConfig& config) const;
+
   bool ready(double time, const MotionConfig& config) const;
 
   /// False if the mean acceleration of the last seconds is more than 60 degrees off the body's up

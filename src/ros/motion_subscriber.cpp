@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kTfCache = 30.0;         // [s]
 constexpr double kFutureTolerance = 0.1;  // [s] by which stamps may lie ahead of the clock
-/// Shortest time over which the gimbal's own rate is differenced [s].
+/// Shortest time over which the directions of a camera on a gimbal are differenced [s].
 constexpr double kShortestInterval = 0.05;
 
 enum Source { kImu, kOdom, kGpsVel, kGpsFix, kMag, kSources };
@@ -168,8 +168,8 @@ void MotionSubscriber::add(const tf2_msgs::TFMessage& message, bool is_static) {
 Motion MotionSubscriber::motionAt(const ros::Time& stamp, const std::string& left_optical_frame) {
   const MotionConfig config = impl_->currentConfig();
   std::string mounting_text = "no rates yet";
-  // A box of two time constants lags as much as the low-pass on the body's rates, so that a gimbal
-  // that turns against its aircraft cancels it.
+  // A mean over two time constants lags as much as the low-pass does that a fixed camera's rates
+  // pass.
   const double interval = std::max(kShortestInterval, 2.0 * config.rate_filter_time);
   const MountingLookup mounting = [&](const std::string& frame, double time) {
     const auto found =

@@ -25,15 +25,8 @@ bool representable(double stamp) {
   return std::isfinite(stamp) && stamp > 0.0 && stamp < 4294967295.0;
 }
 
-/// Rate of the optical frame against the body, in the optical frame: its orientation on the body is
-/// the inverse of optical_from_body.
-Eigen::Vector3d rateBetween(const Eigen::Quaterniond& before, const Eigen::Quaterniond& now,
-                            double interval) {
-  const Eigen::AngleAxisd turn(before * now.conjugate());
-  double angle = turn.angle();
-  if (angle > M_PI) angle -= 2.0 * M_PI;
-  return turn.axis() * (angle / interval);
-}
+/// Less than this is no turn but rounding [rad].
+constexpr double kSmallestTurn = 1e-6;
 
 }  // namespace
 
@@ -61,14 +54,18 @@ std::optional<Mounting> lookUpMounting(const tf2::BufferCore& tf, const std::str
     mounting.optical_from_body = rotationOf(tf.lookupTransform(optical, body, ros::Time(at)));
     if (interval > 0.0 && representable(at - interval) &&
         tf.canTransform(optical, body, ros::Time(at - interval))) {
-      const auto before = tf.lookupTransform(optical, body, ros::Time(at - interval));
-      mounting.relative_rate =
-          rateBetween(rotationOf(before), mounting.optical_from_body, interval);
+      const Eigen::Quaterniond before =
+          rotationOf(tf.lookupTransform(optical, body, ros::Time(at - interval)));
+      if (before.angularDistance(mounting.optical_from_body) > kSmallestTurn) {
+        mounting.optical_from_body_before = before;
+        mounting.interval = interval;
+      }
     }
   } catch (const tf2::TransformException& e) {
     mounting.error = std::string("TF: ") + e.what();
   }
-  if (!mounting.optical_from_body.coeffs().allFinite() || !mounting.relative_rate.allFinite()) {
+  if (!mounting.optical_from_body.coeffs().allFinite() ||
+      !mounting.optical_from_body_before.coeffs().allFinite()) {
     mounting.error = "the transform from '" + body + "' to '" + optical + "' holds NaN";
   }
   return mounting;

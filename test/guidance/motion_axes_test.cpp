@@ -72,18 +72,38 @@ TEST(MotionAxesTest, BankedTurnIsYawAloneToALevelCamera) {
   EXPECT_NEAR(motion.pitch_rate, 0.0, 1e-9);
 }
 
+const Eigen::Matrix3d kOpticalFromFlu =
+    (Eigen::Matrix3d() << 0, -1, 0, 0, 0, -1, 1, 0, 0).finished();
+
 TEST(MotionAxesTest, GimbalsOwnRateCounts) {
-  Mounting turning;
-  turning.optical_from_body =
-      Eigen::Quaterniond((Eigen::Matrix3d() << 0, -1, 0, 0, 0, -1, 1, 0, 0).finished());
-  turning.relative_rate = Eigen::Vector3d(0.1, -0.2, 0.0);  // up, left
+  // The body stands still; the gimbal pans left by 0.2 rad/s and ends up looking ahead.
+  Mounting panning;
+  panning.interval = 0.1;
+  panning.optical_from_body = Eigen::Quaterniond(kOpticalFromFlu);
+  panning.optical_from_body_before =
+      Eigen::Quaterniond(kOpticalFromFlu) * Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitZ());
   const auto mounting = [&](const std::string&, double) {
-    return std::optional<Mounting>(turning);
+    return std::optional<Mounting>(panning);
   };
-  const Motion motion =
-      ask(MotionConfig(), Eigen::Vector3d::Zero(), {25, 0, 0}, std::nullopt, mounting);
+  Motion motion = ask(MotionConfig(), {0, 0, 0}, {25, 0, 0}, std::nullopt, mounting);
   EXPECT_NEAR(motion.yaw_rate, 0.2, 1e-9);
-  EXPECT_NEAR(motion.pitch_rate, 0.1, 1e-9);
+  EXPECT_NEAR(motion.pitch_rate, 0.0, 1e-9);
+  // The same pan on a body that turns right as fast: the camera keeps looking at one point.
+  motion = ask(MotionConfig(), {0, 0, -0.2}, {25, 0, 0}, std::nullopt, mounting);
+  EXPECT_NEAR(motion.yaw_rate, 0.0, 1e-9);
+}
+
+TEST(MotionAxesTest, GimbalThatCancelsARollSeesNone) {
+  Mounting level;
+  level.interval = 0.1;
+  level.optical_from_body =
+      Eigen::Quaterniond(kOpticalFromFlu) * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX());
+  level.optical_from_body_before =
+      Eigen::Quaterniond(kOpticalFromFlu) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX());
+  const auto mounting = [&](const std::string&, double) { return std::optional<Mounting>(level); };
+  const Motion motion = ask(MotionConfig(), {1.0, 0, 0}, {25, 0, 0}, std::nullopt, mounting);
+  EXPECT_NEAR(motion.yaw_rate, 0.0, 1e-9);
+  EXPECT_NEAR(motion.pitch_rate, 0.0, 1e-9);
 }
 
 TEST(MotionAxesTest, TransformsOfAnFrdTreeTakeFrdRates) {

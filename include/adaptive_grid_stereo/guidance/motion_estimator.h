@@ -20,8 +20,10 @@ struct Mounting {
   /// Rotates a vector of the source's body frame, in MotionConfig::tf_axes, into the left optical
   /// frame.
   Eigen::Quaterniond optical_from_body = Eigen::Quaterniond::Identity();
-  /// Rate of the optical frame against the body, in the optical frame [rad/s] (a moving gimbal).
-  Eigen::Vector3d relative_rate = Eigen::Vector3d::Zero();
+  /// The same `interval` seconds before, for a camera that turns on the body (a gimbal): its rate
+  /// is then that of the camera in the world over the interval. 0: it does not turn.
+  Eigen::Quaterniond optical_from_body_before = Eigen::Quaterniond::Identity();
+  double interval = 0.0;
   /// In words why the mounting is unknown although it should be known (a gimbal that went silent);
   /// the motion is then invalid.
   std::string error;
