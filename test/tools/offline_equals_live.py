@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""What process_bag makes of a flight equals what the nodelet makes of it, frame by frame."""
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+
+import rosbag
+import rospy
+import rostest
+from adaptive_grid_stereo.msg import GridState
+from stereo_msgs.msg import DisparityImage
+
+# They tell how long something took.
+TIMES = {'processing_time', 'latency', 'frames_dropped'}
+
+
+def tool(name):
+    """The path of one of the package's programs."""
+    for root in os.environ['CMAKE_PREFIX_PATH'].split(':'):
+        path = os.path.join(root, 'lib', 'adaptive_grid_stereo', name)
+        if os.path.exists(path):
+            return path
+    raise AssertionError('%s is not built' % name)
+
+
+def plain(state):
+    """A GridState as text, without what depends on the clock; NaN equals NaN there."""
+    return ' '.join('%s=%r' % (field, getattr(state, field)) for field in state.__slots__
+                    if field not in TIMES and field != 'header')
+
+
+class OfflineEqualsLive(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.flight = os.path.join(self.folder, 'flight.bag')
+        subprocess.check_call([tool('simulate_flight'), self.flight, '--size', '160x96',
+                               '--duration', '6', '--states', 'forward,yaw_left,pitch_up',
+                               '--samples', '2', '--no-truth'])
+
+    def tearDown(self):
+        shutil.rmtree(self.folder)
+
+    def live(self, frames):
+        disparities, states = {}, {}
+        subscribers = [
+            rospy.Subscriber('/stereo/disparity', DisparityImage,
+                             lambda m: disparities.__setitem__(m.header.stamp.to_nsec(), m)),
+            rospy.Subscriber('/stereo/grid_state', GridState,
+                             lambda m: states.__setitem__(m.header.stamp.to_nsec(), m))]
+        player = shutil.which('rosbag')
+        play = subprocess.Popen([player, 'play', '--clock', '--wait-for-subscribers', '--quiet',
+                                 self.flight], stdin=subprocess.DEVNULL)
+        try:
+            end = time.time() + 120
+            while (len(disparities) < frames or len(states) < frames) and time.time() < end:
+                time.sleep(0.1)
+        finally:
+            play.terminate()
+            play.wait()
+        for subscriber in subscribers:
+            subscriber.unregister()
+        return disparities, states
+
+    def test_every_frame(self):
+        with rosbag.Bag(self.flight) as bag:
+            frames = bag.get_message_count('/stereo/left/image_rect')
+        self.assertGreater(frames, 50)
+        disparities, states = self.live(frames)
+        result = os.path.join(self.folder, 'result.bag')
+        subprocess.check_call([tool('process_bag'), self.flight, '--output', result,
+                               '--disparity-range', '48'])
+        compared, plans = 0, set()
+        with rosbag.Bag(result) as bag:
+            self.assertEqual(bag.get_message_count('/stereo/disparity'), frames)
+            for topic, message, _ in bag.read_messages():
+                live = (disparities if topic == '/stereo/disparity' else states).get(
+                    message.header.stamp.to_nsec())
+                self.assertIsNotNone(live, 'the nodelet did not publish %s' % message.header.stamp)
+                self.assertEqual(live.header.frame_id, message.header.frame_id)
+                if topic == '/stereo/disparity':
+                    self.assertEqual(live.image.data, message.image.data)
+                    for field in ('f', 'T', 'valid_window', 'min_disparity', 'max_disparity',
+                                  'delta_d'):
+                        self.assertEqual(getattr(live, field), getattr(message, field), field)
+                    compared += 1
+                else:
+                    self.assertEqual(plain(live), plain(message))
+                    plans.add(bytes(bytearray(message.paths)))
+        self.assertEqual(compared, frames)
+        self.assertGreater(len(plans), 1, 'the flight was to use more than one plan')
+
+
+if __name__ == '__main__':
+    rospy.init_node('offline_equals_live')
+    rostest.rosrun('adaptive_grid_stereo', 'offline_equals_live', OfflineEqualsLive)
