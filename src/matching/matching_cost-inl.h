@@ -64,10 +64,10 @@ HWY_INLINE void HammingDistances(const std::uint8_t* left, const std::uint8_t* r
                                  std::size_t stride, int first, int last, std::uint8_t* costs) {
   const hn::ScalableTag<std::uint8_t> d;
   using V = hn::Vec<decltype(d)>;
-  V bits[kPlanes];
+  V bits[kPlanes > 0 ? kPlanes : 1];
   for (int p = 0; p < kPlanes; ++p) bits[p] = hn::Set(d, left[p * stride]);
   for (int k = first; k < last; k += static_cast<int>(hn::Lanes(d))) {
-    V different[kPlanes];
+    V different[kPlanes > 0 ? kPlanes : 1];
     for (int p = 0; p < kPlanes; ++p) {
       different[p] = hn::Xor(bits[p], hn::LoadU(d, right + p * stride + k));
     }
@@ -75,8 +75,9 @@ HWY_INLINE void HammingDistances(const std::uint8_t* left, const std::uint8_t* r
   }
 }
 
-// Costs of a pixel whose disparities all stay inside the right image. costs: `range` aligned bytes, a
-// multiple of the lanes.
+// Costs of a pixel whose disparities all stay inside the right image. costs: `range` aligned bytes,
+// a multiple of the lanes.
+template <int kPlanes>
 HWY_INLINE void InnerPixelCosts(const SweepFrame& frame, const std::uint8_t* left_row,
                                 const std::uint8_t* right_row, int x, int range,
                                 std::uint8_t* costs) {
@@ -84,14 +85,7 @@ HWY_INLINE void InnerPixelCosts(const SweepFrame& frame, const std::uint8_t* lef
   const std::uint8_t* left = left_row + kCensusMargin + x;
   const std::uint8_t* right =
       right_row + kCensusMargin + (frame.width - 1 - x + frame.min_disparity);
-  switch (frame.window) {
-    case CensusWindow::k5x5:
-      return HammingDistances<3>(left, right, stride, 0, range, costs);
-    case CensusWindow::k7x7:
-      return HammingDistances<6>(left, right, stride, 0, range, costs);
-    case CensusWindow::k9x7:
-      return HammingDistances<8>(left, right, stride, 0, range, costs);
-  }
+  HammingDistances<kPlanes>(left, right, stride, 0, range, costs);
 }
 
 // Costs of any pixel: the largest where x - d leaves the image, 255 from `range` on. costs:

@@ -34,9 +34,9 @@ HWY_INLINE void Repeat(const F& f) {
   }
 }
 
-// The pixel that direction r comes from. Directions are in the order of the plan: the first two belong to every
-// pixel, the first four to cells of 8 paths, all to cells of 16. (du, dv) from the predecessor to the pixel:
-// (1, 0), (0, 1), (1, 1), (-1, 1), (2, 1), (-2, 1), (1, 2), (-1, 2).
+// The pixel that direction r comes from. Directions are in the order of the plan: the first two
+// belong to every pixel, the first four to cells of 8 paths, all to cells of 16. (du, dv) from the
+// predecessor to the pixel: (1, 0), (0, 1), (1, 1), (-1, 1), (2, 1), (-2, 1), (1, 2), (-1, 2).
 template <int kDirection>
 HWY_INLINE const std::uint8_t* Predecessor(const SweepRow& row, int u) {
   switch (kDirection) {
@@ -91,7 +91,7 @@ HWY_INLINE auto FoldToBlock(V8 v) {
   return hn::Min(hn::LowerHalf(v), hn::UpperHalf(hn::Half<D8>(), v));
 #elif HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
   const auto half = hn::Min(hn::LowerHalf(v), hn::UpperHalf(hn::Half<D8>(), v));
-  return hn::Min(hn::LowerHalf(half), hn::UpperHalf(hn::Half<hn::Half<D8>>(), half));
+  return hn::Min(hn::LowerHalf(half), hn::UpperHalf(hn::Half<hn::Half<D8> >(), half));
 #else
   return v;
 #endif
@@ -102,12 +102,12 @@ template <int kDirections>
 HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* smallest) {
   const hn::Repartition<std::uint32_t, D8> d32;
   const D16 d16;
-  const auto merge8 = [&](V8 a, V8 b) HWY_ATTR {
+  const auto merge8 = [&](V8 a, V8 b) AGS_LAMBDA {
     return hn::Min(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
   };
   V8 all = merge8(v[0], v[1]);
   if (kDirections > 2) {
-    const auto merge16 = [&](V8 a, V8 b) HWY_ATTR {
+    const auto merge16 = [&](V8 a, V8 b) AGS_LAMBDA {
       const V16 a16 = hn::BitCast(d16, a), b16 = hn::BitCast(d16, b);
       return hn::Min(hn::BitCast(d, hn::InterleaveLower(d16, a16, b16)),
                      hn::BitCast(d, hn::InterleaveUpper(d16, a16, b16)));
@@ -128,8 +128,8 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* smallest) {
   hn::Store(hn::LowerHalf(block), hn::Half<decltype(d128)>(), smallest);
 }
 
-// The path costs of `kVectors` vectors of disparities from index k on, for all directions; returns the sums
-// of the transitions (the matching cost is added later, once for all directions).
+// The path costs of `kVectors` vectors of disparities from index k on, for all directions; returns
+// the sums of the transitions (the matching cost is added later, once for all directions).
 template <int kDirections, int kVectors>
 HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel,
                                  std::size_t block_stride, const V8* cost, int k, bool first,
@@ -137,11 +137,11 @@ HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel
   const D8 d;
   const D16 d16;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  Repeat<kDirections / 2>([&](auto pair_of) HWY_ATTR {
+  Repeat<kDirections / 2>([&](auto pair_of) AGS_LAMBDA {
     constexpr int kA = 2 * decltype(pair_of)::value, kB = kA + 1;
     const Path path_a = MakePath<kA>(d, row, u, pixel, block_stride);
     const Path path_b = MakePath<kB>(d, row, u, pixel, block_stride);
-    Repeat<kVectors>([&](auto vector) HWY_ATTR {
+    Repeat<kVectors>([&](auto vector) AGS_LAMBDA {
       constexpr int i = decltype(vector)::value;
       const int at = k + i * lanes;
       const V8 a = Transition(d, path_a, at, penalty_small);

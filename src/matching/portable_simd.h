@@ -223,6 +223,10 @@ std::ptrdiff_t FindFirstTrue(Tag<T, N>, const MaskOf<N>& mask) {
   return found == mask.lane + N ? -1 : found - mask.lane;
 }
 template <typename T, std::size_t N>
+std::size_t FindKnownFirstTrue(Tag<T, N> d, const MaskOf<N>& mask) {
+  return static_cast<std::size_t>(FindFirstTrue(d, mask));
+}
+template <typename T, std::size_t N>
 Vector<T, N> MinOfLanes(Tag<T, N> d, const Vector<T, N>& v) {
   return Set(d, *std::min_element(v.lane, v.lane + N));
 }

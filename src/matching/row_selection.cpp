@@ -24,35 +24,39 @@ int subpixelOffset(int before, int sum, int after) {
 
 }  // namespace
 
-void selectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
+void selectRow(const Winner* winners, const std::uint8_t* shifts, int width,
                const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity) {
   const bool check = config.disp12_max_diff >= 0;
+  const int min_disparity = config.min_disparity;
+  const unsigned most = static_cast<unsigned>(std::max(0, config.disp12_max_diff));
   // Of several winners that claim one right pixel the smallest sum has it, then the smallest
-  // disparity.
-  claims->sum_and_index.resize(width);
-  std::int32_t* right = claims->sum_and_index.data();
+  // disparity. One pixel more on either side lets a neighbouring disparity be looked up without
+  // asking.
+  claims->sum_and_index.assign(width + 2, kNoClaim);
+  std::int32_t* right = claims->sum_and_index.data() + 1;
   if (check) {
-    std::fill(right, right + width, kNoClaim);
     for (int x = 0; x < width; ++x) {
-      if (winners.index[x] == kNoWinner) continue;
-      const int k = winners.index[x] & ~kNotUnique;
-      const std::int32_t claim = (winners.sum[x] << shifts[x] << kIndexBits) | k;
-      std::int32_t& owner = right[x - config.min_disparity - k];
+      const Winner winner = winners[x];
+      if (winner.index == kNoWinner) continue;
+      const int k = winner.index & ~kNotUnique;
+      const std::int32_t claim = (winner.sum << shifts[x] << kIndexBits) | k;
+      std::int32_t& owner = right[x - min_disparity - k];
       owner = std::min(owner, claim);
     }
   }
   const auto consistent = [&](int x, int k) {
-    const int u = x - config.min_disparity - k;
-    if (u < 0 || u >= width || right[u] == kNoClaim) return false;
-    return std::abs((right[u] & ((1 << kIndexBits) - 1)) - k) <= config.disp12_max_diff;
+    const std::int32_t claim = right[x - min_disparity - k];
+    const int difference = (claim & ((1 << kIndexBits) - 1)) - k;
+    return claim != kNoClaim && static_cast<unsigned>(std::abs(difference)) <= most;
   };
   for (int x = 0; x < width; ++x) {
+    const Winner winner = winners[x];
     disparity[x] = kInvalidDisparity;
-    if (winners.index[x] & kNotUnique) continue;  // kNoWinner has this bit, too
-    const int k = winners.index[x];
+    if (winner.index & kNotUnique) continue;  // kNoWinner has this bit, too
+    const int k = winner.index;
     int value = k * kDisparityScale;
-    if (config.subpixel && winners.before[x] != kNoSum && winners.after[x] != kNoSum) {
-      value += subpixelOffset(winners.before[x], winners.sum[x], winners.after[x]);
+    if (config.subpixel && winner.before != kNoSum && winner.after != kNoSum) {
+      value += subpixelOffset(winner.before, winner.sum, winner.after);
     }
     if (check && !consistent(x, k)) {
       const int lower = value >> kDisparityShift;

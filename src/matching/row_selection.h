@@ -17,7 +17,7 @@ struct RightClaims {
 /// Sub-pixel disparity and left-right check of one row (see the rules at disparity_selection.h).
 /// shifts: [x] log2(16 / paths) of each pixel, which brings sums of different cells to one scale.
 /// disparity: width fixed-point values, kInvalidDisparity where there is none.
-void selectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
+void selectRow(const Winner* winners, const std::uint8_t* shifts, int width,
                const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity);
 
 }  // namespace adaptive_grid_stereo

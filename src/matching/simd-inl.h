@@ -17,3 +17,8 @@
 #else
 #define AGS_SIMD ::hwy::HWY_NAMESPACE
 #endif
+
+// Lambdas inside kernels need the target's attribute, and must not become calls that pass vectors
+// in memory.
+#undef AGS_LAMBDA
+#define AGS_LAMBDA HWY_ATTR __attribute__((always_inline))

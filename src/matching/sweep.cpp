@@ -9,7 +9,6 @@
 #include "src/matching/simd-inl.h"
 //
 #include "src/matching/disparity_selection-inl.h"
-#include "src/matching/disparity_selection-inl.h"
 #include "src/matching/matching_cost-inl.h"
 #include "src/matching/path_aggregation-inl.h"
 
@@ -43,9 +42,10 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
-// A pixel's work, specialised: kDirections 2, 4 or 8; kPadded the padded range if known at compile time, else 0;
-// kInner if all disparities stay inside the right image and the range needs no padding.
-template <int kDirections, int kPadded, bool kInner>
+// A pixel's work, specialised: kDirections 2, 4 or 8; kPadded the padded range if known at compile
+// time, else 0; kInner if all disparities stay inside the right image and the range needs no
+// padding; kPlanes (of the census) counts for inner pixels in the first sweep only.
+template <int kDirections, int kPadded, bool kInner, int kPlanes>
 struct PixelSweep {
   static HWY_INLINE int PaddedRange(const SweepFrame& frame) {
     return kPadded ? kPadded : frame.layout.padded_range;
@@ -60,13 +60,13 @@ struct PixelSweep {
     std::uint8_t* pixel = row.current[u];
     std::uint16_t* volume = row.volume + static_cast<std::size_t>(u) * PaddedRange(frame);
     alignas(64) std::uint8_t costs[kPadded ? kPadded : kMaxRange];
-    if (kInner) {
-      InnerPixelCosts(frame, row.left, row.right, u, PaddedRange(frame), costs);
+    if constexpr (kInner) {
+      InnerPixelCosts<kPlanes>(frame, row.left, row.right, u, PaddedRange(frame), costs);
     } else {
       PixelCosts(frame, row.left, row.right, u, costs);
     }
     V8 smallest[kSweepDirections];
-    ForAllVectors(frame, [&](auto count, int k) HWY_ATTR {
+    ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));
       V8 cost[kVectors];
@@ -87,7 +87,7 @@ struct PixelSweep {
     alignas(64) std::uint16_t all_sums[kPadded ? kPadded : kMaxRange];
     V8 smallest[kSweepDirections];
     WinnerSearch search = StartSearch();
-    ForAllVectors(frame, [&](auto count, int k) HWY_ATTR {
+    ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));
       V8 cost[kVectors];
@@ -104,12 +104,12 @@ struct PixelSweep {
     });
     StoreSmallest<kDirections>(d, smallest, pixel);
     if (kInner) {
-      int key = 0;
-      const int winner = EndSearch(search, &key);
-      RecordWinner(frame, all_sums, PaddedRange(frame), x, winner, 0, PaddedRange(frame),
-                   row.winners);
+      int sum = 0;
+      const int winner = EndSearch(search, all_sums, &sum);
+      row.winners[x] =
+          MakeWinner(frame, all_sums, PaddedRange(frame), winner, sum, 0, PaddedRange(frame));
     } else {
-      SelectAmongCandidates(frame, all_sums, x, row.winners);
+      row.winners[x] = SelectAmongCandidates(frame, all_sums, x);
     }
   }
 
@@ -162,7 +162,7 @@ struct PixelSweep {
   static HWY_INLINE void AddFirstSweep(const std::uint16_t* volume, ByteSums* sums) {
     const D16 d;
     constexpr int kLogPaths = kDirections == 2 ? 2 : kDirections == 4 ? 3 : 4;
-    const auto add = [&](V16 sum, V16 packed) HWY_ATTR {
+    const auto add = [&](V16 sum, V16 packed) AGS_LAMBDA {
       const V16 cost = hn::ShiftLeft<kLogPaths>(hn::And(packed, hn::Set(d, kCostMask)));
       return hn::Add(hn::Add(sum, hn::ShiftRight<kCostBits>(packed)), cost);
     };
@@ -172,10 +172,10 @@ struct PixelSweep {
 };
 
 // Rows r of a band at pixels step - kBandLag * r, for steps [begin, end).
-template <int kDirections, int kPadded, bool kInner, bool kSecondSweep>
+template <int kDirections, int kPadded, bool kInner, bool kSecondSweep, int kPlanes>
 HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                     int begin, int end) {
-  using Pixel = PixelSweep<kDirections, kPadded, kInner>;
+  using Pixel = PixelSweep<kDirections, kPadded, kInner, kPlanes>;
   for (int step = begin; step < end; ++step) {
     for (int r = 0; r < row_count; ++r) {
       if (kSecondSweep) {
@@ -204,15 +204,15 @@ HWY_ATTR void SweepStep(const SweepFrame& frame, const SweepRow& row, int u) {
   int first_unused = 0;
   switch (kind & ~kClearRest) {
     case kTwo:
-      SweepRun<2, 0, false, kSecondSweep>(frame, &row, 1, u, u + 1);
+      SweepRun<2, 0, false, kSecondSweep, 0>(frame, &row, 1, u, u + 1);
       first_unused = 2;
       break;
     case kFour:
-      SweepRun<4, 0, false, kSecondSweep>(frame, &row, 1, u, u + 1);
+      SweepRun<4, 0, false, kSecondSweep, 0>(frame, &row, 1, u, u + 1);
       first_unused = 4;
       break;
     case kEight:
-      SweepRun<8, 0, false, kSecondSweep>(frame, &row, 1, u, u + 1);
+      SweepRun<8, 0, false, kSecondSweep, 0>(frame, &row, 1, u, u + 1);
       return;
   }
   if (kind == kClear || (kind & kClearRest) != 0) {
@@ -220,8 +220,8 @@ HWY_ATTR void SweepStep(const SweepFrame& frame, const SweepRow& row, int u) {
   }
 }
 
-// Steps from `step` on for which all rows stay in the inner columns and in pixels of one kind, which it tells;
-// 0 if there is none.
+// Steps from `step` on for which all rows stay in the inner columns and in pixels of one kind,
+// which it tells; 0 if there is none.
 HWY_INLINE int UniformSteps(const SweepRow* rows, int row_count, int step, int inner_begin,
                             int inner_end, int* kind) {
   const int last = step - kBandLag * (row_count - 1);
@@ -237,16 +237,44 @@ HWY_INLINE int UniformSteps(const SweepRow* rows, int row_count, int step, int i
 }
 
 // A run of pixels of one kind, all inner ones.
-template <int kPadded, bool kSecondSweep>
-HWY_ATTR void SweepInnerRun(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
-                            int begin, int end) {
+template <int kPadded, bool kSecondSweep, int kPlanes>
+HWY_ATTR void SweepInnerKind(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
+                             int begin, int end) {
   switch (kind) {
     case kTwo:
-      return SweepRun<2, kPadded, true, kSecondSweep>(frame, rows, row_count, begin, end);
+      return SweepRun<2, kPadded, true, kSecondSweep, kPlanes>(frame, rows, row_count, begin, end);
     case kFour:
-      return SweepRun<4, kPadded, true, kSecondSweep>(frame, rows, row_count, begin, end);
+      return SweepRun<4, kPadded, true, kSecondSweep, kPlanes>(frame, rows, row_count, begin, end);
     case kEight:
-      return SweepRun<8, kPadded, true, kSecondSweep>(frame, rows, row_count, begin, end);
+      return SweepRun<8, kPadded, true, kSecondSweep, kPlanes>(frame, rows, row_count, begin, end);
+  }
+}
+
+// The same for any range and census window; the usual ranges have kernels of their own.
+template <bool kSecondSweep>
+HWY_ATTR void SweepInnerRun(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
+                            int begin, int end) {
+  const auto run = [&](auto padded) AGS_LAMBDA {
+    constexpr int kPadded = decltype(padded)::value;
+    if (kSecondSweep) {
+      return SweepInnerKind<kPadded, true, 0>(frame, rows, row_count, kind, begin, end);
+    }
+    switch (frame.window) {
+      case CensusWindow::k5x5:
+        return SweepInnerKind<kPadded, false, 3>(frame, rows, row_count, kind, begin, end);
+      case CensusWindow::k7x7:
+        return SweepInnerKind<kPadded, false, 6>(frame, rows, row_count, kind, begin, end);
+      case CensusWindow::k9x7:
+        return SweepInnerKind<kPadded, false, 8>(frame, rows, row_count, kind, begin, end);
+    }
+  };
+  switch (frame.layout.padded_range) {
+    case 64:
+      return run(std::integral_constant<int, 64>());
+    case 128:
+      return run(std::integral_constant<int, 128>());
+    default:
+      return run(std::integral_constant<int, 0>());
   }
 }
 
@@ -266,7 +294,8 @@ HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_c
     inner_end = frame.width - inner_begin;
     inner_begin = turned;
   }
-  if (padded != frame.layout.range || padded > kSearchBlocks * static_cast<int>(hn::Lanes(D8()))) inner_end = 0;
+  if (padded != frame.layout.range || padded > kSearchBlocks * static_cast<int>(hn::Lanes(D8())))
+    inner_end = 0;
 
   int reached = before ? begin - 1 : end;
   for (int step = begin; step < end + lag;) {
@@ -275,17 +304,10 @@ HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_c
     if (reached < needed) reached = waitFor(*before, needed);
     while (step < chunk_end) {
       int kind = kClear;
-      const int uniform =
-          UniformSteps(rows, row_count, step, inner_begin, inner_end, &kind);
+      const int uniform = UniformSteps(rows, row_count, step, inner_begin, inner_end, &kind);
       if (uniform > 0 && kind >= kTwo && kind <= kEight) {
         const int run_end = std::min(chunk_end, step + uniform);
-        if (padded == 64) {
-          SweepInnerRun<64, kSecondSweep>(frame, rows, row_count, kind, step, run_end);
-        } else if (padded == 128) {
-          SweepInnerRun<128, kSecondSweep>(frame, rows, row_count, kind, step, run_end);
-        } else {
-          SweepInnerRun<0, kSecondSweep>(frame, rows, row_count, kind, step, run_end);
-        }
+        SweepInnerRun<kSecondSweep>(frame, rows, row_count, kind, step, run_end);
         step = run_end;
         continue;
       }
@@ -311,7 +333,8 @@ HWY_ATTR void RunBand(const SweepFrame& frame, bool second_sweep, const SweepRow
 
 HWY_ATTR int SweepLanes() { return static_cast<int>(hn::Lanes(D8())); }
 
-// P2 of a vector of pixels by their grey-level steps; `tables` sixteenths of the table have to be looked up.
+// P2 of a vector of pixels by their grey-level steps; `tables` sixteenths of the table have to be
+// looked up.
 HWY_INLINE V8 LookUpPenalties(D8 d, const std::uint8_t* table, int tables, V8 step) {
   const V8 index = hn::And(step, hn::Set(d, std::uint8_t{15}));
   V8 penalty = hn::Set(d, table[255]);

@@ -49,16 +49,16 @@ struct PathLayout {
   std::size_t pixel_stride = 0;
 };
 
-/// Where the path costs of a row's pixels lie: [u], -kPathMargin .. width + kPathMargin - 1. A row inside a band
-/// keeps only its last few pixels, so that places recur.
+/// Where the path costs of a row's pixels lie: [u], -kPathMargin .. width + kPathMargin - 1. A row
+/// inside a band keeps only its last few pixels, so that places recur.
 using PathRow = std::uint8_t* const*;
 
-/// Winners of one row in image coordinates.
-struct WinnerRow {
-  std::uint16_t* index;   // of the winning disparity, or kNoWinner; | kNotUnique
-  std::uint16_t* sum;     // of its path costs
-  std::uint16_t* before;  // the sums at index - 1 and index + 1; kNoSum outside of the candidates
-  std::uint16_t* after;
+/// The winner of one pixel.
+struct Winner {
+  std::uint16_t index;   // of the disparity, or kNoWinner; | kNotUnique
+  std::uint16_t sum;     // of its path costs
+  std::uint16_t before;  // the sums at index - 1 and index + 1; kNoSum outside of the candidates
+  std::uint16_t after;
 };
 constexpr std::uint16_t kNoWinner = 0xFFFF;
 constexpr std::uint16_t kNotUnique = 0x8000;
@@ -73,7 +73,7 @@ struct SweepRow {
   const std::uint8_t* left;   // census planes of the row
   const std::uint8_t* right;  // mirrored
   std::uint16_t* volume;      // [x * padded_range]
-  WinnerRow winners;          // second sweep only
+  Winner* winners;            // [x], second sweep only
 };
 
 /// What all rows of a sweep share.
@@ -104,9 +104,10 @@ int sweepLanes();
 void runBand(const SweepFrame& frame, bool second_sweep, const SweepRow* rows, int row_count,
              const BandProgress* before, BandProgress* own);
 
-/// P2 of eq. 7 for the pixels of a row and each direction: penalties[u * kSweepDirections + r] is the entry of
-/// `table` (256, falling) for the grey-level step between current[u] and previous[r][u]. Only the first
-/// `directions` (2, 4 or 8) are needed. May write up to a vector's pixels beyond `width`, and read as many.
+/// P2 of eq. 7 for the pixels of a row and each direction: penalties[u * kSweepDirections + r] is
+/// the entry of `table` (256, falling) for the grey-level step between current[u] and
+/// previous[r][u]. Only the first `directions` (2, 4 or 8) are needed. May write up to a vector's
+/// pixels beyond `width`, and read as many.
 void penaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous, int directions,
                 int width, const std::uint8_t* table, std::uint8_t* penalties);
 

@@ -15,8 +15,6 @@ constexpr int kRingPixels = 8;
 static_assert(2 * kBandLag + 2 <= kRingPixels, "a ring must hold what the rows below still need");
 static_assert(kBandRows >= 2, "the two rows above a band come from one band");
 
-constexpr int kWinnerFields = 4;
-
 PathLayout makeLayout(int range) {
   PathLayout layout;
   const int lanes = std::max(sweepLanes(), 16);
@@ -76,7 +74,7 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
   for (Worker& worker : workers_) {
     reserveCosts(kBandRows * kRingPixels, &worker.rings);
     worker.penalties.reserve(kBandRows * penalty_stride_);
-    worker.winners.resize(static_cast<std::size_t>(kBandRows) * kWinnerFields * width);
+    worker.winners.resize(static_cast<std::size_t>(kBandRows) * width);
   }
   placePathCosts(threads);
 }
@@ -131,8 +129,8 @@ void Sweeps::runSweep(const SweepImages& images, bool second, ThreadPool* pool,
 void Sweeps::fillPathRows(int band, int row, int row_count, int threads, Worker* worker,
                           SweepRow* out) {
   const std::size_t row_pixels = static_cast<std::size_t>(frame_.width) + 2 * kPathMargin;
-  // A band leaves its last two rows to the next one. There are enough slots that none is written again
-  // before its reader, which runs on the same thread as the next writer, is done.
+  // A band leaves its last two rows to the next one. There are enough slots that none is written
+  // again before its reader, which runs on the same thread as the next writer, is done.
   const auto boundary = [&](int of_band, int from_last) {
     if (of_band < 0) return zero_places_.data() + kPathMargin;
     const std::size_t slot = of_band % (threads + 1);
@@ -184,9 +182,7 @@ void Sweeps::runBandOf(const SweepImages& images, bool second, int band, int thr
     row.left = images.left_census + y * census_row;
     row.right = images.right_census + y * census_row;
     row.volume = volume_.data() + static_cast<std::size_t>(y) * width * frame_.layout.padded_range;
-    std::uint16_t* fields =
-        worker->winners.data() + static_cast<std::size_t>(i) * kWinnerFields * width;
-    row.winners = {fields, fields + width, fields + 2 * width, fields + 3 * width};
+    row.winners = worker->winners.data() + static_cast<std::size_t>(i) * width;
   }
   runBand(frame_, second, rows, row_count, band > 0 ? &progress_[band - 1] : nullptr,
           &progress_[band]);

@@ -38,10 +38,10 @@ class Sweeps {
 
  private:
   struct Worker {
-    AlignedBuffer<std::uint8_t> rings;      // path costs of the rows within a band
-    std::vector<std::uint8_t*> ring_places; // [row][u]
-    AlignedBuffer<std::uint8_t> penalties;  // [row][u][direction]
-    std::vector<std::uint16_t> winners;     // [row][field][x]
+    AlignedBuffer<std::uint8_t> rings;       // path costs of the rows within a band
+    std::vector<std::uint8_t*> ring_places;  // [row][u]
+    AlignedBuffer<std::uint8_t> penalties;   // [row][u][direction]
+    std::vector<Winner> winners;             // [row][x]
     RightClaims claims;
   };
 
@@ -60,7 +60,7 @@ class Sweeps {
   std::vector<std::uint8_t> shifts_;  // [row cell][x]
   PathPlan plan_;
   AlignedBuffer<std::uint16_t> volume_;
-  AlignedBuffer<std::uint8_t> boundary_rows_;  // two rows of path costs per slot
+  AlignedBuffer<std::uint8_t> boundary_rows_;   // two rows of path costs per slot
   std::vector<std::uint8_t*> boundary_places_;  // [row][u]
   AlignedBuffer<std::uint8_t> zero_pixel_;
   std::vector<std::uint8_t*> zero_places_;  // [u]
