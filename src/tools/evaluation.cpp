@@ -75,6 +75,7 @@ std::vector<Method> defaultMethods(const GuidanceConfig& guidance,
   std::vector<Method> methods{uniformMethod(16), uniformMethod(8), uniformMethod(4)};
   for (const double speed : speeds) {
     std::ostringstream name;
+    name.precision(3);
     name << "forward " << speed << " m/s";
     methods.push_back(motionMethod(name.str(), speed, 0.0, 0.0));
   }

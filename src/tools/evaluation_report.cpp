@@ -37,8 +37,8 @@ std::vector<std::pair<std::string, Score>> regionsOf(const MethodSummary& method
           {"all", method.whole.all},
           {"focus visible", method.in_focus.visible},
           {"focus all", method.in_focus.all},
-          {"uniform 16 in this focus, visible", method.uniform_in_focus.visible},
-          {"uniform 16 in this focus, all", method.uniform_in_focus.all}};
+          {"uniform 16 in this focus visible", method.uniform_in_focus.visible},
+          {"uniform 16 in this focus all", method.uniform_in_focus.all}};
 }
 
 Json toJson(const Score& score) {

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 #include <vector>
-
-#include <rosbag/view.h>
 
 namespace adaptive_grid_stereo {
 
@@ -31,20 +30,18 @@ int preference(const std::string& topic) {
 
 struct Candidate {
   std::string topic;
-  std::uint32_t messages = 0;
+  std::size_t messages = 0;
 };
 
 /// Topics by datatype, with their numbers of messages.
-std::multimap<std::string, Candidate> topicsByType(const rosbag::Bag& bag) {
-  rosbag::View view(bag);
+std::multimap<std::string, Candidate> topicsByType(const BagReader& bag) {
   std::map<std::string, std::string> types;
-  for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
-    types[connection->topic] = connection->datatype;
+  for (const BagConnection& connection : bag.connections()) {
+    types[connection.topic] = connection.datatype;
   }
   std::multimap<std::string, Candidate> result;
   for (const auto& [topic, type] : types) {
-    rosbag::View of_topic(bag, rosbag::TopicQuery(topic));
-    result.insert({type, {topic, of_topic.size()}});
+    result.insert({type, {topic, bag.messageCount(topic)}});
   }
   return result;
 }
@@ -65,10 +62,8 @@ void choose(const std::multimap<std::string, Candidate>& topics, const std::stri
 }
 
 template <typename Message>
-bool give(const rosbag::MessageInstance& instance, MotionSubscriber* subscriber) {
-  const auto message = instance.instantiate<Message>();
-  if (!message) return false;
-  subscriber->add(*message);
+bool give(const BagMessage& message, MotionSubscriber* subscriber) {
+  subscriber->add(*deserialize<Message>(message));
   return true;
 }
 
@@ -86,7 +81,7 @@ boost::program_options::options_description motionTopicOptions(MotionTopics* top
   return options;
 }
 
-MotionTopics chooseMotionTopics(const rosbag::Bag& bag, MotionTopics topics) {
+MotionTopics chooseMotionTopics(const BagReader& bag, MotionTopics topics) {
   const auto by_type = topicsByType(bag);
   choose(by_type, "sensor_msgs/Imu", &topics.imu);
   choose(by_type, "nav_msgs/Odometry", &topics.odom);
@@ -96,45 +91,43 @@ MotionTopics chooseMotionTopics(const rosbag::Bag& bag, MotionTopics topics) {
   return topics;
 }
 
-bool feedMotion(const rosbag::MessageInstance& message, const MotionTopics& topics,
+bool feedMotion(const BagMessage& message, const MotionTopics& topics,
                 MotionSubscriber* subscriber) {
-  const std::string& topic = message.getTopic();
+  const std::string& topic = message.connection->topic;
   if (topic == topics.imu) return give<sensor_msgs::Imu>(message, subscriber);
   if (topic == topics.odom) return give<nav_msgs::Odometry>(message, subscriber);
   if (topic == topics.gps_vel) return give<geometry_msgs::TwistStamped>(message, subscriber);
   if (topic == topics.gps_fix) return give<sensor_msgs::NavSatFix>(message, subscriber);
   if (topic == topics.mag) return give<sensor_msgs::MagneticField>(message, subscriber);
   if (topic != "/tf" && topic != "/tf_static") return false;
-  const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
-  if (transforms) subscriber->add(*transforms, topic == "/tf_static");
-  return transforms != nullptr;
+  subscriber->add(*deserialize<tf2_msgs::TFMessage>(message), topic == "/tf_static");
+  return true;
 }
 
-void replayMotion(const rosbag::Bag& bag, const MotionReplay& replay, MotionSubscriber* subscriber,
+long replayMotion(BagReader* bag, const MotionReplay& replay, MotionSubscriber* subscriber,
                   const std::function<void(double stamp, const Motion& motion)>& answer) {
-  std::vector<std::string> wanted = {"/tf", "/tf_static"};
-  const MotionTopics& topics = replay.topics;
-  for (const std::string& topic :
-       {topics.imu, topics.odom, topics.gps_vel, topics.gps_fix, topics.mag}) {
-    if (!topic.empty()) wanted.push_back(topic);
-  }
-  rosbag::View view(bag, rosbag::TopicQuery(wanted));
-  if (view.size() == 0) return;
+  if (bag->messageCount() == 0) return 0;
   const double step = 1.0 / replay.rate;
-  double next = std::ceil(view.getBeginTime().toSec() / step);
-  const double end = view.getEndTime().toSec();
+  double next = std::ceil(bag->beginTime().toSec() / step);
   const auto askUpTo = [&](double time) {
     for (; next * step <= time; next += 1.0) {
       const ros::Time stamp(next * step);
       answer(next * step, subscriber->motionAt(stamp, replay.optical_frame));
     }
   };
-  for (const rosbag::MessageInstance& message : view) {
-    askUpTo(message.getTime().toSec() - kPatience);
-    if (replay.before_message) replay.before_message(message);
-    feedMotion(message, topics, subscriber);
+  long damaged = 0;
+  bag->rewind();
+  for (BagMessage message; bag->next(&message);) {
+    askUpTo(message.time.toSec() - kPatience);
+    try {
+      if (replay.before_message) replay.before_message(message);
+      feedMotion(message, replay.topics, subscriber);
+    } catch (const std::runtime_error&) {
+      ++damaged;
+    }
   }
-  askUpTo(end);
+  askUpTo(bag->endTime().toSec());
+  return damaged;
 }
 
 }  // namespace adaptive_grid_stereo

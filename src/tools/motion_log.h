@@ -10,6 +10,7 @@
 
 #include "adaptive_grid_stereo/guidance/motion.h"
 #include "adaptive_grid_stereo/ros/motion_subscriber.h"
+#include "bag_reader.h"
 
 namespace adaptive_grid_stereo {
 
@@ -24,11 +25,11 @@ boost::program_options::options_description motionTopicOptions(MotionTopics* top
 /// Fills in what is empty by the messages' types: of several topics of one type, the one that the
 /// flight stacks offer as the better (an Imu with orientation before a raw one, odometry of the
 /// body before that of the GPS), else the one with the most messages. "none" leaves a source out.
-MotionTopics chooseMotionTopics(const rosbag::Bag& bag, MotionTopics topics);
+MotionTopics chooseMotionTopics(const BagReader& bag, MotionTopics topics);
 
 /// Gives a message to the subscriber if it stands on one of the topics, or on /tf or /tf_static.
-/// Returns whether it did.
-bool feedMotion(const rosbag::MessageInstance& message, const MotionTopics& topics,
+/// Returns whether it did. Throws std::runtime_error if the message is damaged.
+bool feedMotion(const BagMessage& message, const MotionTopics& topics,
                 MotionSubscriber* subscriber);
 
 /// How a log is gone through.
@@ -37,12 +38,13 @@ struct MotionReplay {
   std::string optical_frame;  // of the left camera; empty: the mounting is camera_rpy
   double rate = 25.0;         // questions per second
   /// Called for each message before it is used; may be empty.
-  std::function<void(const rosbag::MessageInstance&)> before_message;
+  std::function<void(const BagMessage&)> before_message;
 };
 
 /// Plays a bag's motion into the subscriber and asks it `rate` times a second (at multiples of
-/// 1/rate), as a live node would for images with such stamps. Throws rosbag::BagException.
-void replayMotion(const rosbag::Bag& bag, const MotionReplay& replay, MotionSubscriber* subscriber,
+/// 1/rate), as a live node would for images with such stamps. Returns the number of damaged
+/// messages, which are left out.
+long replayMotion(BagReader* bag, const MotionReplay& replay, MotionSubscriber* subscriber,
                   const std::function<void(double stamp, const Motion& motion)>& answer);
 
 }  // namespace adaptive_grid_stereo

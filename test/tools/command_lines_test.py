@@ -31,6 +31,26 @@ def run(name, *arguments):
     return done.returncode, done.stdout.decode(), done.stderr.decode()
 
 
+def load(path):
+    with open(path) as stream:
+        return json.load(stream)
+
+
+def text_of(path):
+    with open(path) as stream:
+        return stream.read()
+
+
+def bytes_of(path):
+    with open(path, 'rb') as stream:
+        return stream.read()
+
+
+def write(path, content):
+    with open(path, 'wb') as stream:
+        stream.write(content)
+
+
 def read_pfm(path):
     with open(path, 'rb') as stream:
         assert stream.readline().strip() == b'Pf'
@@ -97,7 +117,7 @@ class Match(Case):
         self.assertGreater(valid.mean(), 0.8)
         self.assertLess(np.abs(np.median(disparity[valid]) - 9.0), 0.07)
         self.assertEqual(cv2.imread(self.path('d.png')).shape, (80, 128, 3))
-        report = json.load(open(self.path('d.json')))
+        report = load(self.path('d.json'))
         self.assertEqual(report['paths'], [16] * 9)
         self.assertEqual(report['threads'], 2)
         self.assertEqual(report['column_edges'][0::3], [0, 128])
@@ -108,7 +128,7 @@ class Match(Case):
     def test_plans(self):
         run('match', *self.pair, '--output', self.path('d.pfm'), '--json', self.path('d.json'),
             '--speed', 20, '--yaw-rate', 0.9, '--disparity-range', 16)
-        report = json.load(open(self.path('d.json')))
+        report = load(self.path('d.json'))
         self.assertEqual(report['paths'], [16, 8, 4] * 3)
         self.assertIn('YAW left', report['state'])
         code, _, err = run('match', *self.pair, '--output', self.path('e.pfm'), '--yaw-rate', 1)
@@ -119,11 +139,11 @@ class Match(Case):
         self.assertIn('16, 8 or 4', err)
 
     def test_nothing_is_overwritten_unasked(self):
-        open(self.path('d.pfm'), 'w').write('precious')
+        write(self.path('d.pfm'), b'precious')
         code, _, err = run('match', *self.pair, '--output', self.path('d.pfm'))
         self.assertEqual(code, 1)
         self.assertIn('--force', err)
-        self.assertEqual(open(self.path('d.pfm')).read(), 'precious')
+        self.assertEqual(text_of(self.path('d.pfm')), 'precious')
         self.assertEqual(run('match', *self.pair, '--output', self.path('d.pfm'), '--force')[0], 0)
         self.assertEqual(read_pfm(self.path('d.pfm')).shape, (80, 128))
 
@@ -175,7 +195,7 @@ class Evaluate(Case):
         self.assertEqual((code, err), (0, ''), err)
         for word in ('uniform 16', 'forward 3 m/s', 'yaw left', 'SGBM 3WAY padded'):
             self.assertIn(word, out)
-        results = json.load(open(self.path('results/results.json')))
+        results = load(self.path('results/results.json'))
         methods = {m['method']: m for m in results['scenes'][0]['methods']}
         uniform = methods['uniform 16']['error']
         self.assertLess(uniform['visible']['bad_2.0'], 3.0)
@@ -185,7 +205,7 @@ class Evaluate(Case):
         self.assertLess(unpadded, 100.0 * (128 - 30) / (128 - 9))
         self.assertGreater(methods['SGBM padded']['error']['visible']['density_percent'], unpadded)
         self.assertGreater(len(methods['forward 20 m/s']['time_ratio']), 9)
-        lines = open(self.path('results/results.csv')).read().splitlines()
+        lines = text_of(self.path('results/results.csv')).splitlines()
         self.assertEqual({len(line.split(',')) for line in lines}, {lines[0].count(',') + 1})
         self.assertTrue(os.path.exists(self.path('results/Middlebury_2003_plane.png')))
         code, _, err = run('evaluate', self.path('set'), '--output', self.path('results'))
@@ -196,7 +216,7 @@ class Evaluate(Case):
         self.write_scene()
         os.makedirs(self.path('set/broken'))
         for name in ('im2.png', 'im6.png'):
-            open(self.path('set/broken/' + name), 'w').write('no image')
+            write(self.path('set/broken/' + name), b'no image')
         code, out, err = run('evaluate', self.path('set'), '--repeat', 1, '--no-peers')
         self.assertEqual(code, 1)
         self.assertIn('broken', err)
@@ -216,7 +236,7 @@ class Evaluate(Case):
         run('match', teddy + '/im2.png', teddy + '/im6.png', '--output', self.path('d.pfm'))
         run('evaluate', teddy, '--methods', 'uniform 16', '--repeat', 1, '--output',
             self.path('results'))
-        scene = json.load(open(self.path('results/results.json')))['scenes'][0]
+        scene = load(self.path('results/results.json'))['scenes'][0]
         score = scene['methods'][0]['error']['visible']
         truth = cv2.imread(teddy + '/disp2.png', 0).astype(np.float32) / 4
         mask = (cv2.imread(teddy + '/nonocc.png', 0) == 255) & (truth > 0)
@@ -242,7 +262,7 @@ class ProcessBag(Case):
                 self.assertEqual(topics['/rig/' + name].message_count, 5, name)
             times = [(m.header.stamp, t) for _, m, t in bag.read_messages('/rig/disparity')]
         self.assertEqual(times, [(rospy.Time(100 + i), rospy.Time(100 + i)) for i in range(5)])
-        self.assertEqual(len(open(self.path('out.csv')).read().splitlines()), 6)
+        self.assertEqual(len(text_of(self.path('out.csv')).splitlines()), 6)
 
     def test_the_same_bytes_whatever_the_threads(self):
         write_bag(self.path('in.bag'), 4)
@@ -251,19 +271,19 @@ class ProcessBag(Case):
             name = self.path('%d.bag' % threads)
             self.assertEqual(run('process_bag', self.path('in.bag'), '--output', name, '--threads',
                                  threads)[0], 0)
-            results.append(open(name, 'rb').read())
+            results.append(bytes_of(name))
         self.assertEqual(results[0], results[1])
         self.assertEqual(results[0], results[2])
 
     def test_damaged_bags(self):
         write_bag(self.path('in.bag'), 20)
-        whole = open(self.path('in.bag'), 'rb').read()
-        open(self.path('cut.bag'), 'wb').write(whole[:len(whole) // 2])
+        whole = bytes_of(self.path('in.bag'))
+        write(self.path('cut.bag'), whole[:len(whole) // 2])
         index = whole.index(b'index_pos=') + 10
-        open(self.path('unindexed.bag'), 'wb').write(
+        write(self.path('unindexed.bag'),
             whole[:index] + bytes(8) + whole[index + 8:])
         chunk = whole.index(b'compression=lz4', len(whole) // 2) + 80
-        open(self.path('corrupt.bag'), 'wb').write(
+        write(self.path('corrupt.bag'),
             whole[:chunk] + bytes(b ^ 255 for b in whole[chunk:chunk + 40]) + whole[chunk + 40:])
         for name, least, most in (('cut', 1, 19), ('unindexed', 20, 20), ('corrupt', 1, 19)):
             bag, result = self.path(name + '.bag'), self.path('result_%s.bag' % name)
@@ -292,14 +312,14 @@ class ProcessBag(Case):
                        check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                        env=dict(os.environ, HOME=self.folder.name))
         for name in names:
-            self.assertEqual(open(self.path(name + '_serial.bag'), 'rb').read(),
-                             open(self.path(name + '_parallel.bag'), 'rb').read())
+            self.assertEqual(bytes_of(self.path(name + '_serial.bag')),
+                             bytes_of(self.path(name + '_parallel.bag')))
 
     def test_mistakes(self):
         write_bag(self.path('in.bag'), 2)
         out = self.path('out.bag')
-        open(self.path('text.bag'), 'w').write('no bag')
-        open(self.path('bad.yaml'), 'w').write('max_speed: fast\n')
+        write(self.path('text.bag'), b'no bag')
+        write(self.path('bad.yaml'), b'max_speed: fast\n')
         for arguments, expected_code, words in (
                 ([], 2, 'a bag is needed'), ([self.path('in.bag')], 2, '--output'),
                 ([self.path('none.bag'), '--output', out], 1, 'none.bag'),

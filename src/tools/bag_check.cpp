@@ -1,0 +1,95 @@
+// bag_check BAG: says before a flight what is wrong with a log or a rig.
+
+#include <algorithm>
+#include <iostream>
+
+#include <ros/time.h>
+
+#include "bag_check.h"
+#include "command_line.h"
+
+namespace adaptive_grid_stereo {
+namespace {
+
+constexpr const char* kTool = "bag_check";
+
+struct Options {
+  std::string bag;
+  std::string optical_frame;
+  std::string left_image, right_image, left_info, right_info;
+  double baseline = 0.0;
+  MotionTopics topics;
+  MotionConfig motion;
+};
+
+std::optional<std::string> named(const std::string& topic) {
+  return topic.empty() ? std::nullopt : std::optional<std::string>(topic);
+}
+
+int run(const Options& options) {
+  BagReader bag(options.bag);
+  std::vector<Finding> findings;
+  if (bag.messageCount() == 0) {
+    findings.push_back({Verdict::kError, "bag", "it holds no messages"});
+  } else {
+    NamedTopics topics;
+    topics.left_image = named(options.left_image);
+    topics.right_image = named(options.right_image);
+    topics.left_info = named(options.left_info);
+    topics.right_info = named(options.right_info);
+    // Motion topics are looked at below.
+    topics.imu = topics.odom = topics.gps_vel = topics.gps_fix = topics.mag = "";
+    findings = checkImages(&bag, topics, options.baseline);
+    const std::vector<Finding> motion = checkMotion(&bag, chooseMotionTopics(bag, options.topics),
+                                                    options.motion, options.optical_frame);
+    findings.insert(findings.end(), motion.begin(), motion.end());
+  }
+  if (!bag.damage().empty()) findings.push_back({Verdict::kError, "bag", bag.damage()});
+
+  long errors = 0, warnings = 0;
+  for (const Finding& finding : findings) {
+    const char* word = finding.verdict == Verdict::kError     ? "ERROR"
+                       : finding.verdict == Verdict::kWarning ? "WARN "
+                                                              : "OK   ";
+    std::cout << word << "  " << finding.subject << ": " << finding.text << "\n";
+    errors += finding.verdict == Verdict::kError;
+    warnings += finding.verdict == Verdict::kWarning;
+  }
+  std::cout << options.bag << ": " << errors << " errors, " << warnings << " warnings\n";
+  return errors > 0 ? 1 : 0;
+}
+
+int parseAndRun(int argc, const char* const* argv) {
+  namespace po = boost::program_options;
+  ros::Time::init();
+  Options options;
+  po::options_description own("Options");
+  own.add_options()                                                             //
+      ("bag", po::value(&options.bag)->required(), "recorded flight (rosbag)")  //
+      ("optical-frame", po::value(&options.optical_frame),
+       "frame of the left camera, where the bag holds its TF")  //
+      ("baseline", po::value(&options.baseline)->default_value(0.0),
+       "as the node's parameter [m]; 0: by camera_info")                            //
+      ("left-image-topic", po::value(&options.left_image), "sensor_msgs/Image")     //
+      ("right-image-topic", po::value(&options.right_image), "sensor_msgs/Image")   //
+      ("left-info-topic", po::value(&options.left_info), "sensor_msgs/CameraInfo")  //
+      ("right-info-topic", po::value(&options.right_info), "sensor_msgs/CameraInfo");
+  own.add(motionTopicOptions(&options.topics)).add(motionOptions(&options.motion));
+  const ToolHelp help = {
+      kTool, "BAG [options]",
+      "Checks stereo pairs, calibration and motion of a recording, and whether the declared axes "
+      "contradict each other; exit code 0: usable, 1: something is wrong.",
+      "rosrun adaptive_grid_stereo bag_check flight.bag --velocity-axes enu"};
+  po::variables_map values;
+  if (!parseCommandLine(argc, argv, help, own, {"bag"}, &values)) return 0;
+  reportCorrections(kTool, options.motion.validate());
+  return run(options);
+}
+
+}  // namespace
+}  // namespace adaptive_grid_stereo
+
+int main(int argc, char** argv) {
+  return adaptive_grid_stereo::runTool(
+      adaptive_grid_stereo::kTool, [&] { return adaptive_grid_stereo::parseAndRun(argc, argv); });
+}

@@ -1,0 +1,203 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "adaptive_grid_stereo/ros/input_check.h"
+#include "bag_check.h"
+#include "text_table.h"
+#include "threshold_tuning.h"
+
+namespace adaptive_grid_stereo {
+
+namespace {
+
+/// Images further apart than this belong to no common pair [s].
+constexpr double kPairLimit = 0.1;
+/// The largest difference that approximate_sync accepts by default [s].
+constexpr double kDefaultInterval = 0.02;
+
+/// The stereo messages of a bag; of the images only a few are kept whole.
+struct StereoContents {
+  std::vector<double> left, right;                 // stamps [s]
+  std::map<double, double> left_info, right_info;  // stamps
+  std::vector<double> delays;                      // recorded after stamped [s], left
+  StereoPair sample;                               // the first complete one
+};
+
+StereoContents readStereo(BagReader* bag, const BagTopics& topics) {
+  StereoContents contents;
+  const auto stampOf = [](const std_msgs::Header& header) { return header.stamp.toSec(); };
+  bag->rewind();
+  for (BagMessage message; bag->next(&message);) {
+    const std::string& topic = message.connection->topic;
+    if (topic == topics.left_image || topic == topics.right_image) {
+      const auto image = deserialize<sensor_msgs::Image>(message);
+      const bool left = topic == topics.left_image;
+      (left ? contents.left : contents.right).push_back(stampOf(image->header));
+      auto& kept = left ? contents.sample.left : contents.sample.right;
+      if (!kept) kept = image;
+      if (left) contents.delays.push_back((message.time - image->header.stamp).toSec());
+    } else if (topic == topics.left_info || topic == topics.right_info) {
+      const auto info = deserialize<sensor_msgs::CameraInfo>(message);
+      const bool left = topic == topics.left_info;
+      (left ? contents.left_info : contents.right_info)[stampOf(info->header)] = 0.0;
+      auto& kept = left ? contents.sample.left_info : contents.sample.right_info;
+      if (!kept) kept = info;
+    }
+  }
+  std::sort(contents.left.begin(), contents.left.end());
+  std::sort(contents.right.begin(), contents.right.end());
+  return contents;
+}
+
+/// |left - nearest right| for each left image that has one near.
+std::vector<double> stampDifferences(const StereoContents& contents) {
+  std::vector<double> result;
+  for (const double stamp : contents.left) {
+    const auto next = std::lower_bound(contents.right.begin(), contents.right.end(), stamp);
+    double nearest = kPairLimit;
+    if (next != contents.right.end()) nearest = std::min(nearest, *next - stamp);
+    if (next != contents.right.begin()) nearest = std::min(nearest, stamp - *(next - 1));
+    if (nearest < kPairLimit) result.push_back(nearest);
+  }
+  return result;
+}
+
+Finding pairsFinding(const StereoContents& contents, const std::vector<double>& differences) {
+  Finding finding = {Verdict::kOk, "stereo pairs", ""};
+  const auto equal =
+      static_cast<std::size_t>(std::count(differences.begin(), differences.end(), 0.0));
+  const double largest =
+      differences.empty() ? 0.0 : *std::max_element(differences.begin(), differences.end());
+  finding.text = std::to_string(contents.left.size()) + " left and " +
+                 std::to_string(contents.right.size()) + " right images, " + std::to_string(equal) +
+                 " pairs with equal stamps";
+  if (differences.empty()) {
+    finding.verdict = Verdict::kError;
+    finding.text += "; no two are within 0.1 s: are both cameras stamped by one clock?";
+  } else if (equal < 0.95 * static_cast<double>(contents.left.size())) {
+    finding.text += ", else up to " + fixed(1e3 * largest, 1) + " ms apart";
+    if (equal + 1 < differences.size()) {
+      finding.verdict = Verdict::kWarning;
+      finding.text += ": set approximate_sync";
+      if (largest > kDefaultInterval) {
+        finding.text +=
+            " and approximate_sync_max_interval: " + fixed(std::ceil(1e3 * largest + 1.0) / 1e3, 3);
+      }
+      finding.text +=
+          "; while the aircraft turns, each ms shifts the images against each other (trigger both "
+          "cameras together)";
+    } else {
+      finding.verdict = Verdict::kWarning;
+      finding.text += ": images of one side are missing";
+    }
+  }
+  return finding;
+}
+
+Finding gapsFinding(const std::vector<double>& stamps) {
+  Finding finding = {Verdict::kOk, "image rate", ""};
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < stamps.size(); ++i) intervals.push_back(stamps[i] - stamps[i - 1]);
+  const double period = quantile(intervals, 0.5);
+  if (period <= 0.0) {
+    finding.verdict = Verdict::kError;
+    finding.text = stamps.size() < 2 ? "fewer than two images" : "most images have equal stamps";
+    return finding;
+  }
+  const auto gaps = std::count_if(intervals.begin(), intervals.end(),
+                                  [&](double interval) { return interval > 2.5 * period; });
+  finding.text =
+      fixed(1.0 / period, 1) + " Hz, " + std::to_string(gaps) + " gaps of more than two frames";
+  if (gaps > 0) {
+    finding.text +=
+        ", the longest " + fixed(*std::max_element(intervals.begin(), intervals.end()), 2) + " s";
+    finding.verdict = Verdict::kWarning;
+  }
+  return finding;
+}
+
+Finding infoFinding(const StereoContents& contents) {
+  const auto missing = [](const std::vector<double>& images,
+                          const std::map<double, double>& infos) {
+    return std::count_if(images.begin(), images.end(),
+                         [&](double stamp) { return infos.count(stamp) == 0; });
+  };
+  const auto left = missing(contents.left, contents.left_info);
+  const auto right = missing(contents.right, contents.right_info);
+  if (left == 0 && right == 0) {
+    return {Verdict::kOk, "camera_info", "one with the stamp of each image"};
+  }
+  return {contents.left_info.empty() || contents.right_info.empty() ? Verdict::kError
+                                                                    : Verdict::kWarning,
+          "camera_info",
+          std::to_string(left) + " left and " + std::to_string(right) +
+              " images have no camera_info of their stamp; the driver must publish both together"};
+}
+
+void calibrationFindings(const StereoPair& sample, const BagTopics& topics, double baseline,
+                         std::vector<Finding>* findings) {
+  InputLimits limits;
+  limits.baseline = baseline;
+  const InputVerdict verdict = checkPair(
+      sample, limits, {topics.left_image, topics.right_image, topics.left_info, topics.right_info});
+  for (const std::string& warning : verdict.warnings) {
+    findings->push_back({Verdict::kWarning, "calibration", warning});
+  }
+  if (!verdict.ok()) {
+    findings->push_back({Verdict::kError, "images and calibration", verdict.error});
+    return;
+  }
+  findings->push_back({Verdict::kOk, "images and calibration",
+                       std::to_string(sample.left->width) + " x " +
+                           std::to_string(sample.left->height) + " " + sample.left->encoding +
+                           ", f " + fixed(verdict.geometry.focal_length, 1) + " px, baseline " +
+                           fixed(verdict.geometry.baseline, 4) + " m (" +
+                           verdict.geometry.baseline_source + ")"});
+  const auto distorted = [](const sensor_msgs::CameraInfo& info) {
+    return std::any_of(info.D.begin(), info.D.end(), [](double d) { return d != 0.0; });
+  };
+  const bool rectified = topics.left_image.find("rect") != std::string::npos;
+  if (!rectified && (distorted(*sample.left_info) || distorted(*sample.right_info))) {
+    findings->push_back({Verdict::kWarning, "rectification",
+                         topics.left_image + " is not rectified: run image_proc before the node"});
+  }
+}
+
+}  // namespace
+
+std::vector<Finding> checkImages(BagReader* bag, const NamedTopics& named, double baseline) {
+  std::vector<Finding> findings;
+  const auto& connections = bag->connections();
+  const bool any = std::any_of(connections.begin(), connections.end(), [](const auto& connection) {
+    return connection.datatype == "sensor_msgs/Image";
+  });
+  if (!any) {
+    return {{Verdict::kWarning, "stereo pairs",
+             "no sensor_msgs/Image in the bag: the motion alone is checked"}};
+  }
+  BagTopics topics;
+  try {
+    std::vector<std::string> notes;
+    topics = chooseTopics(connections, named, &notes);
+  } catch (const std::runtime_error& error) {
+    return {{Verdict::kError, "stereo pairs", error.what()}};
+  }
+  const StereoContents contents = readStereo(bag, topics);
+  findings.push_back(pairsFinding(contents, stampDifferences(contents)));
+  findings.push_back(gapsFinding(contents.left));
+  findings.push_back(infoFinding(contents));
+  const StereoPair& sample = contents.sample;
+  if (sample.left && sample.right && sample.left_info && sample.right_info) {
+    calibrationFindings(sample, topics, baseline, &findings);
+  }
+  const double delay = quantile(contents.delays, 0.5);
+  if (std::abs(delay) > 1.0) {
+    findings.push_back({Verdict::kWarning, "image stamps",
+                        "recorded " + fixed(delay, 2) +
+                            " s after their stamps: is the camera stamped by another clock?"});
+  }
+  return findings;
+}
+
+}  // namespace adaptive_grid_stereo
