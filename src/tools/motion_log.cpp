@@ -24,7 +24,8 @@ int preference(const std::string& topic) {
   if (contains(topic, "velocity_local")) return -2;         // mavros: frame is wrong
   if (contains(topic, "raw/gps_vel") || contains(topic, "raw/fix")) return 1;
   if (contains(topic, "data_raw") || contains(topic, "imu/raw")) return -1;  // no orientation
-  if (contains(topic, "setpoint")) return -3;  // what is wanted, not what is
+  // What is wanted, and what a simulator knows, is no sensor.
+  if (contains(topic, "setpoint") || contains(topic, "ground_truth")) return -3;
   return 0;
 }
 
