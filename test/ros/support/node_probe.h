@@ -44,9 +44,9 @@ class Listener {
       : subscriber_(handle.subscribe(topic, 1000, &Listener::onMessage, this)) {}
   ~Listener() { subscriber_.shutdown(); }
 
-  bool connected() const { return subscriber_.getNumPublishers() > 0; }
-  bool waitConnected() const {
-    return waitUntil([this] { return connected(); });
+  /// Of /rosout the test itself is one of the publishers.
+  bool waitConnected(std::uint32_t publishers = 1) const {
+    return waitUntil([&] { return subscriber_.getNumPublishers() >= publishers; });
   }
 
   /// The first message for which `accept` holds, also of those that came already; null if none
