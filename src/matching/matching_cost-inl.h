@@ -7,9 +7,9 @@
 #endif
 
 #include <algorithm>
-#include <cstring>
 
 #include "adaptive_grid_stereo/matching/census.h"
+#include "src/matching/path_aggregation-inl.h"
 #include "src/matching/sweep.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -59,72 +59,63 @@ HWY_INLINE V CountBits(const V* x) {
   return count;
 }
 
-template <int kPlanes>
-HWY_INLINE void HammingDistances(const std::uint8_t* left, const std::uint8_t* right,
-                                 std::size_t stride, int first, int last, std::uint8_t* costs) {
-  const hn::ScalableTag<std::uint8_t> d;
-  using V = hn::Vec<decltype(d)>;
-  V bits[kPlanes > 0 ? kPlanes : 1];
-  for (int p = 0; p < kPlanes; ++p) bits[p] = hn::Set(d, left[p * stride]);
-  for (int k = first; k < last; k += static_cast<int>(hn::Lanes(d))) {
-    V different[kPlanes > 0 ? kPlanes : 1];
-    for (int p = 0; p < kPlanes; ++p) {
-      different[p] = hn::Xor(bits[p], hn::LoadU(d, right + p * stride + k));
-    }
-    hn::Store(CountBits<kPlanes>(different), d, costs + k);
-  }
-}
+// Where the census bytes of a pixel and of its first disparity stand. In the mirrored row,
+// disparity index k is k bytes further.
+struct CensusPlaces {
+  const std::uint8_t* left;
+  const std::uint8_t* right;
+  std::size_t stride;
+  std::ptrdiff_t column;  // of the first disparity in the mirrored row
+};
 
-// Costs of a pixel whose disparities all stay inside the right image. costs: `range` aligned bytes,
-// a multiple of the lanes.
-template <int kPlanes>
-HWY_INLINE void InnerPixelCosts(const SweepFrame& frame, const std::uint8_t* left_row,
-                                const std::uint8_t* right_row, int x, int range,
-                                std::uint8_t* costs) {
-  const std::size_t stride = censusStride(frame.width);
-  const std::uint8_t* left = left_row + kCensusMargin + x;
-  const std::uint8_t* right =
-      right_row + kCensusMargin + (frame.width - 1 - x + frame.min_disparity);
-  HammingDistances<kPlanes>(left, right, stride, 0, range, costs);
-}
-
-// Costs of any pixel: the largest where x - d leaves the image, 255 from `range` on. costs:
-// padded_range aligned bytes.
-HWY_INLINE void PixelCosts(const SweepFrame& frame, const std::uint8_t* left_row,
-                           const std::uint8_t* right_row, int x, std::uint8_t* costs) {
-  const hn::ScalableTag<std::uint8_t> d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const PathLayout& layout = frame.layout;
-  const std::size_t stride = censusStride(frame.width);
-  const std::uint8_t* left = left_row + kCensusMargin + x;
-  // In the mirrored row, disparity index k stands k bytes further.
+HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row, int x) {
   const std::ptrdiff_t column = frame.width - 1 - x + frame.min_disparity;
-  const int begin = static_cast<int>(std::clamp<std::ptrdiff_t>(-column, 0, layout.range));
-  const int end =
-      static_cast<int>(std::clamp<std::ptrdiff_t>(frame.width - column, begin, layout.range));
-  const int first = begin / lanes * lanes;
+  return {row.left + kCensusMargin + x, row.right + kCensusMargin + column,
+          censusStride(frame.width), column};
+}
+
+// Costs of a vector of disparities from index k on.
+template <int kPlanes>
+HWY_INLINE V8 HammingDistances(const CensusPlaces& at, int k) {
+  const D8 d;
+  V8 different[kPlanes];
+  for (int p = 0; p < kPlanes; ++p) {
+    different[p] =
+        hn::Xor(hn::Set(d, at.left[p * at.stride]), hn::LoadU(d, at.right + p * at.stride + k));
+  }
+  return CountBits<kPlanes>(different);
+}
+
+HWY_INLINE V8 HammingDistances(CensusWindow window, const CensusPlaces& at, int k) {
+  switch (window) {
+    case CensusWindow::k5x5:
+      return HammingDistances<censusPlanes(CensusWindow::k5x5)>(at, k);
+    case CensusWindow::k7x7:
+      return HammingDistances<censusPlanes(CensusWindow::k7x7)>(at, k);
+    case CensusWindow::k9x7:
+      break;
+  }
+  return HammingDistances<censusPlanes(CensusWindow::k9x7)>(at, k);
+}
+
+// Costs of a vector of disparities of which some may leave the right image, where the largest cost
+// stands, or lie beyond the range, where 255 stands.
+HWY_INLINE V8 BorderCosts(const SweepFrame& frame, const CensusPlaces& at, int k) {
+  const D8 d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const V8 largest = hn::Set(d, static_cast<std::uint8_t>(frame.window));
+  const auto lanesBefore = [&](std::ptrdiff_t index) AGS_LAMBDA {
+    return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(index - k, 0, lanes));
+  };
+  const std::size_t begin = lanesBefore(-at.column), end = lanesBefore(frame.width - at.column);
+  V8 costs = largest;
   if (begin < end) {
-    const std::uint8_t* right = right_row + kCensusMargin + column;
-    switch (frame.window) {
-      case CensusWindow::k5x5:
-        HammingDistances<3>(left, right, stride, first, end, costs);
-        break;
-      case CensusWindow::k7x7:
-        HammingDistances<6>(left, right, stride, first, end, costs);
-        break;
-      case CensusWindow::k9x7:
-        HammingDistances<8>(left, right, stride, first, end, costs);
-        break;
-    }
+    costs = HammingDistances(frame.window, at, k);
+    costs = hn::IfThenElse(hn::FirstN(d, end), costs, largest);
+    costs = hn::IfThenElse(hn::FirstN(d, begin), largest, costs);
   }
-  if (begin > 0 || end < layout.range) {
-    const int largest = static_cast<int>(frame.window);
-    std::memset(costs, largest, begin);
-    std::memset(costs + end, largest, layout.range - end);
-  }
-  if (layout.padded_range > layout.range) {
-    std::memset(costs + layout.range, 255, layout.padded_range - layout.range);
-  }
+  return hn::IfThenElse(hn::FirstN(d, lanesBefore(frame.layout.range)), costs,
+                        hn::Set(d, std::uint8_t{255}));
 }
 
 }  // namespace HWY_NAMESPACE

@@ -42,10 +42,14 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
+// The census window that has kernels of its own, for inner pixels: the default.
+constexpr CensusWindow kUsualWindow = CensusWindow::k9x7;
+constexpr int kUsualPlanes = censusPlanes(kUsualWindow);
+
 // A pixel's work, specialised: kDirections 2, 4 or 8; kPadded the padded range if known at compile
-// time, else 0; kInner if all disparities stay inside the right image and the range needs no
-// padding; kPlanes (of the census) counts for inner pixels in the first sweep only.
-template <int kDirections, int kPadded, bool kInner, int kPlanes>
+// time, else 0; kInner if all disparities stay inside the right image, the range needs no padding
+// and the window is the usual one.
+template <int kDirections, int kPadded, bool kInner>
 struct PixelSweep {
   static HWY_INLINE int PaddedRange(const SweepFrame& frame) {
     return kPadded ? kPadded : frame.layout.padded_range;
@@ -59,18 +63,19 @@ struct PixelSweep {
     const D8 d;
     std::uint8_t* pixel = row.current[u];
     std::uint16_t* volume = row.volume + static_cast<std::size_t>(u) * PaddedRange(frame);
-    alignas(64) std::uint8_t costs[kPadded ? kPadded : kMaxRange];
-    if constexpr (kInner) {
-      InnerPixelCosts<kPlanes>(frame, row.left, row.right, u, PaddedRange(frame), costs);
-    } else {
-      PixelCosts(frame, row.left, row.right, u, costs);
-    }
+    const CensusPlaces census = FindCensus(frame, row, u);
     V8 smallest[kSweepDirections];
     ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));
       V8 cost[kVectors];
-      for (int i = 0; i < kVectors; ++i) cost[i] = hn::Load(d, costs + k + i * lanes);
+      for (int i = 0; i < kVectors; ++i) {
+        if constexpr (kInner) {
+          cost[i] = HammingDistances<kUsualPlanes>(census, k + i * lanes);
+        } else {
+          cost[i] = BorderCosts(frame, census, k + i * lanes);
+        }
+      }
       ByteSums sums[kVectors];
       Aggregate<kVectors>(frame, row, u, pixel, cost, k, smallest, sums);
       for (int i = 0; i < kVectors; ++i) Pack(cost[i], sums[i], volume + k + i * lanes);
@@ -172,10 +177,10 @@ struct PixelSweep {
 };
 
 // Rows r of a band at pixels step - kBandLag * r, for steps [begin, end).
-template <int kDirections, int kPadded, bool kInner, bool kSecondSweep, int kPlanes>
+template <int kDirections, int kPadded, bool kInner, bool kSecondSweep>
 HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                     int begin, int end) {
-  using Pixel = PixelSweep<kDirections, kPadded, kInner, kPlanes>;
+  using Pixel = PixelSweep<kDirections, kPadded, kInner>;
   for (int step = begin; step < end; ++step) {
     for (int r = 0; r < row_count; ++r) {
       if (kSecondSweep) {
@@ -184,6 +189,41 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
         Pixel::First(frame, rows[r], step - kBandLag * r);
       }
     }
+  }
+}
+
+template <int kPadded, bool kInner, bool kSecondSweep>
+HWY_INLINE void SweepKind(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
+                          int begin, int end) {
+  switch (kind) {
+    case kTwo:
+      return SweepRun<2, kPadded, kInner, kSecondSweep>(frame, rows, row_count, begin, end);
+    case kFour:
+      return SweepRun<4, kPadded, kInner, kSecondSweep>(frame, rows, row_count, begin, end);
+    case kEight:
+      return SweepRun<8, kPadded, kInner, kSecondSweep>(frame, rows, row_count, begin, end);
+  }
+}
+
+// A run of pixels of one kind; the usual ranges have kernels of their own.
+template <bool kSecondSweep>
+HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
+                          bool inner, int begin, int end) {
+  const auto run = [&](auto padded) AGS_LAMBDA {
+    constexpr int kPadded = decltype(padded)::value;
+    if (inner) {
+      SweepKind<kPadded, true, kSecondSweep>(frame, rows, row_count, kind, begin, end);
+    } else {
+      SweepKind<kPadded, false, kSecondSweep>(frame, rows, row_count, kind, begin, end);
+    }
+  };
+  switch (frame.layout.padded_range) {
+    case 64:
+      return run(std::integral_constant<int, 64>());
+    case 128:
+      return run(std::integral_constant<int, 128>());
+    default:
+      SweepKind<0, false, kSecondSweep>(frame, rows, row_count, kind, begin, end);
   }
 }
 
@@ -199,83 +239,55 @@ HWY_INLINE void ClearDirections(const PathLayout& layout, const PathRow& row, in
 
 // One pixel of any kind.
 template <bool kSecondSweep>
-HWY_ATTR void SweepStep(const SweepFrame& frame, const SweepRow& row, int u) {
+HWY_ATTR void SweepStep(const SweepFrame& frame, const SweepRow& row, int u, bool inner) {
   const int kind = row.kinds[u];
-  int first_unused = 0;
-  switch (kind & ~kClearRest) {
-    case kTwo:
-      SweepRun<2, 0, false, kSecondSweep, 0>(frame, &row, 1, u, u + 1);
-      first_unused = 2;
-      break;
-    case kFour:
-      SweepRun<4, 0, false, kSecondSweep, 0>(frame, &row, 1, u, u + 1);
-      first_unused = 4;
-      break;
-    case kEight:
-      SweepRun<8, 0, false, kSecondSweep, 0>(frame, &row, 1, u, u + 1);
-      return;
-  }
+  const int used = kind & ~kClearRest;
+  SweepPixels<kSecondSweep>(frame, &row, 1, used, inner, u, u + 1);
   if (kind == kClear || (kind & kClearRest) != 0) {
-    ClearDirections(frame.layout, row.current, u, first_unused);
+    ClearDirections(frame.layout, row.current, u,
+                    used == kTwo     ? 2
+                    : used == kFour  ? 4
+                    : used == kEight ? 8
+                                     : 0);
   }
 }
 
-// Steps from `step` on for which all rows stay in the inner columns and in pixels of one kind,
-// which it tells; 0 if there is none.
-HWY_INLINE int UniformSteps(const SweepRow* rows, int row_count, int step, int inner_begin,
-                            int inner_end, int* kind) {
+// Columns whose disparities all stay inside the right image; none if the inner kernels do not fit.
+struct InnerColumns {
+  int begin, end;
+  bool holds(int u) const { return u >= begin && u < end; }
+};
+
+HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame, bool second_sweep) {
+  const PathLayout& layout = frame.layout;
+  if (layout.padded_range != layout.range || frame.window != kUsualWindow ||
+      layout.range > kSearchBlocks * static_cast<int>(hn::Lanes(D8()))) {
+    return {0, 0};
+  }
+  const int begin = std::max(0, frame.min_disparity + layout.range - 1);
+  const int end = std::min(frame.width, frame.width + frame.min_disparity);
+  if (second_sweep) return {frame.width - end, frame.width - begin};
+  return {begin, end};
+}
+
+// Steps from `step` on for which all rows have pixels of one kind, which it tells, and are all
+// inside or all outside of the inner columns; 0 if there is none.
+HWY_INLINE int UniformSteps(const SweepFrame& frame, const SweepRow* rows, int row_count, int step,
+                            const InnerColumns& inner, int* kind) {
   const int last = step - kBandLag * (row_count - 1);
-  if (last < inner_begin || step >= inner_end) return 0;
-  int steps = inner_end - step;
+  if (last < 0 || step >= frame.width) return 0;
   *kind = rows[0].kinds[step];
+  if (*kind < kTwo || *kind > kEight || inner.holds(step) != inner.holds(last)) return 0;
+  int steps = frame.width - step;
   for (int r = 0; r < row_count; ++r) {
     const int u = step - kBandLag * r;
     if (rows[r].kinds[u] != *kind) return 0;
     steps = std::min(steps, rows[r].kind_ends[u] - u);
   }
+  for (const int edge : {inner.begin, inner.end}) {
+    if (edge > step) steps = std::min(steps, edge - step);
+  }
   return steps;
-}
-
-// A run of pixels of one kind, all inner ones.
-template <int kPadded, bool kSecondSweep, int kPlanes>
-HWY_ATTR void SweepInnerKind(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
-                             int begin, int end) {
-  switch (kind) {
-    case kTwo:
-      return SweepRun<2, kPadded, true, kSecondSweep, kPlanes>(frame, rows, row_count, begin, end);
-    case kFour:
-      return SweepRun<4, kPadded, true, kSecondSweep, kPlanes>(frame, rows, row_count, begin, end);
-    case kEight:
-      return SweepRun<8, kPadded, true, kSecondSweep, kPlanes>(frame, rows, row_count, begin, end);
-  }
-}
-
-// The same for any range and census window; the usual ranges have kernels of their own.
-template <bool kSecondSweep>
-HWY_ATTR void SweepInnerRun(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
-                            int begin, int end) {
-  const auto run = [&](auto padded) AGS_LAMBDA {
-    constexpr int kPadded = decltype(padded)::value;
-    if (kSecondSweep) {
-      return SweepInnerKind<kPadded, true, 0>(frame, rows, row_count, kind, begin, end);
-    }
-    switch (frame.window) {
-      case CensusWindow::k5x5:
-        return SweepInnerKind<kPadded, false, 3>(frame, rows, row_count, kind, begin, end);
-      case CensusWindow::k7x7:
-        return SweepInnerKind<kPadded, false, 6>(frame, rows, row_count, kind, begin, end);
-      case CensusWindow::k9x7:
-        return SweepInnerKind<kPadded, false, 8>(frame, rows, row_count, kind, begin, end);
-    }
-  };
-  switch (frame.layout.padded_range) {
-    case 64:
-      return run(std::integral_constant<int, 64>());
-    case 128:
-      return run(std::integral_constant<int, 128>());
-    default:
-      return run(std::integral_constant<int, 0>());
-  }
 }
 
 template <bool kSecondSweep>
@@ -285,18 +297,7 @@ HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_c
   constexpr int kStride = 16;
   const int begin = -kPathMargin, end = frame.width + kPathMargin;
   const int lag = kBandLag * (row_count - 1);
-  // Inner columns: all disparities stay inside the right image.
-  const int padded = frame.layout.padded_range;
-  int inner_begin = std::max(0, frame.min_disparity + frame.layout.range - 1);
-  int inner_end = std::min(frame.width, frame.width + frame.min_disparity);
-  if (kSecondSweep) {
-    const int turned = frame.width - inner_end;
-    inner_end = frame.width - inner_begin;
-    inner_begin = turned;
-  }
-  if (padded != frame.layout.range || padded > kSearchBlocks * static_cast<int>(hn::Lanes(D8())))
-    inner_end = 0;
-
+  const InnerColumns inner = FindInnerColumns(frame, kSecondSweep);
   int reached = before ? begin - 1 : end;
   for (int step = begin; step < end + lag;) {
     const int chunk_end = std::min((step / kStride + 1) * kStride, end + lag);
@@ -304,16 +305,16 @@ HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_c
     if (reached < needed) reached = waitFor(*before, needed);
     while (step < chunk_end) {
       int kind = kClear;
-      const int uniform = UniformSteps(rows, row_count, step, inner_begin, inner_end, &kind);
-      if (uniform > 0 && kind >= kTwo && kind <= kEight) {
+      const int uniform = UniformSteps(frame, rows, row_count, step, inner, &kind);
+      if (uniform > 0) {
         const int run_end = std::min(chunk_end, step + uniform);
-        SweepInnerRun<kSecondSweep>(frame, rows, row_count, kind, step, run_end);
+        SweepPixels<kSecondSweep>(frame, rows, row_count, kind, inner.holds(step), step, run_end);
         step = run_end;
         continue;
       }
       for (int r = 0; r < row_count; ++r) {
         const int u = step - kBandLag * r;
-        if (u >= begin && u < end) SweepStep<kSecondSweep>(frame, rows[r], u);
+        if (u >= begin && u < end) SweepStep<kSecondSweep>(frame, rows[r], u, inner.holds(u));
       }
       ++step;
     }
