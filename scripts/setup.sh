@@ -48,7 +48,7 @@ else
   need "ROS tests" librostest-dev python3-rostest
 fi
 need "images, vectors, command lines, YAML, JSON" \
-  libopencv-dev libeigen3-dev libboost-program-options-dev libboost-thread-dev libyaml-cpp-dev \
+  libopencv-dev libeigen3-dev libboost-program-options-dev libboost-thread-dev libyaml-cpp-dev libbz2-dev \
   nlohmann-json3-dev
 need "SIMD for every CPU (Google Highway)" libhwy-dev
 need "ray casting for the simulated flight" libembree-dev
