@@ -181,7 +181,7 @@ class ProcessFaults(unittest.TestCase):
         """The node ends by itself, without crash, whatever it is doing."""
         for attempt in range(3):
             name_space = "/shutdown%d" % attempt
-            node = self.start_node(name_space, "_disparity_range:=256")
+            node = self.start_node(name_space, "_disparity_range:=128")
             camera = Camera(name_space)
             self.assertTrue(camera.is_served())
             camera.publish(1280, 720)
