@@ -96,7 +96,7 @@ def main():
     with open(sys.argv[1]) as file:
         data = json.load(file)
     figure = plt.figure(figsize=(15, 11))
-    grid = figure.add_gridspec(5, 3, height_ratios=(1, 1, 1, 0.8, 1.9), hspace=0.3, wspace=0.25)
+    grid = figure.add_gridspec(5, 3, height_ratios=(1, 1, 1, 0.8, 1.9), hspace=0.5, wspace=0.25)
     flight = [figure.add_subplot(grid[row, :]) for row in range(4)]
     draw_flight(flight, data)
     for axis in flight[:3]:

@@ -64,8 +64,7 @@ int parseAndRun(int argc, const char* const* argv) {
   ros::Time::init();
   Options options;
   po::options_description own("Options");
-  own.add_options()                                                             //
-      ("bag", po::value(&options.bag)->required(), "recorded flight (rosbag)")  //
+  own.add_options()  //
       ("optical-frame", po::value(&options.optical_frame),
        "frame of the left camera, where the bag holds its TF")  //
       ("baseline", po::value(&options.baseline)->default_value(0.0),
@@ -82,6 +81,8 @@ int parseAndRun(int argc, const char* const* argv) {
       "rosrun adaptive_grid_stereo bag_check flight.bag --velocity-axes enu"};
   po::variables_map values;
   if (!parseCommandLine(argc, argv, help, own, {"bag"}, &values)) return 0;
+  if (values.count("bag") == 0) throw UsageError("a bag is needed: bag_check BAG");
+  options.bag = values["bag"].as<std::string>();
   reportCorrections(kTool, options.motion.validate());
   return run(options);
 }

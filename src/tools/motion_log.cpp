@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
+
+#include "adaptive_grid_stereo/ros/parameter_visitor.h"
+#include "command_line.h"
 
 namespace adaptive_grid_stereo {
 
@@ -27,6 +31,44 @@ int preference(const std::string& topic) {
   // What is wanted, and what a simulator knows, is no sensor.
   if (contains(topic, "setpoint") || contains(topic, "ground_truth")) return -3;
   return 0;
+}
+
+namespace po = boost::program_options;
+
+po::typed_value<double>* optionFor(double* target) {
+  std::ostringstream text;
+  text << *target;
+  return po::value(target)->default_value(*target, text.str())->value_name("X");
+}
+
+po::typed_value<std::string>* optionFor(std::string* target) {
+  return po::value(target)->default_value(*target)->value_name("NAME");
+}
+
+po::typed_value<std::string>* optionFor(VelocityAxes* target) {
+  return po::value<std::string>()
+      ->default_value(toString(*target))
+      ->value_name("AXES")
+      ->notifier([target](const std::string& name) { *target = velocityAxesFromString(name); });
+}
+
+po::typed_value<std::string>* optionFor(RateAxes* target) {
+  return po::value<std::string>()
+      ->default_value(toString(*target))
+      ->value_name("AXES")
+      ->notifier([target](const std::string& name) { *target = rateAxesFromString(name); });
+}
+
+po::typed_value<std::string>* optionFor(std::array<double, 3>* target) {
+  return po::value<std::string>()->default_value("0,0,0")->value_name("R,P,Y")->notifier(
+      [target](const std::string& text) {
+        std::istringstream stream(text);
+        char comma = ',', other = ',';
+        if (!(stream >> (*target)[0] >> comma >> (*target)[1] >> other >> (*target)[2]) ||
+            comma != ',' || other != ',' || !stream.eof()) {
+          throw UsageError("--camera-rpy '" + text + "': expected roll,pitch,yaw in rad");
+        }
+      });
 }
 
 struct Candidate {
@@ -79,6 +121,15 @@ boost::program_options::options_description motionTopicOptions(MotionTopics* top
       ("gps-vel-topic", po::value(&topics->gps_vel), "geometry_msgs/TwistStamped")  //
       ("gps-fix-topic", po::value(&topics->gps_fix), "sensor_msgs/NavSatFix")       //
       ("mag-topic", po::value(&topics->mag), "sensor_msgs/MagneticField");
+  return options;
+}
+
+boost::program_options::options_description motionOptions(MotionConfig* config) {
+  boost::program_options::options_description options("motion parameters");
+  visitMotionParameters(*config, [&](const char* parameter, auto& value) {
+    options.add_options()(optionName(parameter).c_str(), optionFor(&value),
+                          parameterHelp(parameter).c_str());
+  });
   return options;
 }
 

@@ -22,6 +22,10 @@ struct MotionTopics {
 /// Options --imu-topic, --odom-topic, --gps-vel-topic, --gps-fix-topic, --mag-topic for `topics`.
 boost::program_options::options_description motionTopicOptions(MotionTopics* topics);
 
+/// One option per parameter of the motion estimate, as matcherOptions() has them for the matcher;
+/// --camera-rpy takes "roll,pitch,yaw".
+boost::program_options::options_description motionOptions(MotionConfig* config);
+
 /// Fills in what is empty by the messages' types: of several topics of one type, the one that the
 /// flight stacks offer as the better (an Imu with orientation before a raw one, odometry of the
 /// body before that of the GPS), else the one with the most messages. "none" leaves a source out.

@@ -43,7 +43,7 @@ struct TuningAdvice {
 /// then the smallest sigmas with which YAW and PITCH change no more than `calm` times a minute
 /// each. Throws std::runtime_error if the aircraft never flies in the log.
 TuningAdvice adviseThresholds(const std::vector<MotionPoint>& points, const GuidanceConfig& config,
-                              double calm = 10.0);
+                              double calm = 20.0);
 
 /// The value below which the share q [1] of the values lies; 0 if there are none.
 double quantile(std::vector<double> values, double q);

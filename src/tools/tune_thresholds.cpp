@@ -28,7 +28,7 @@ struct Options {
   std::string bag;
   std::string output = "tune_thresholds";
   std::string optical_frame;
-  double calm = 10.0;
+  double calm = 20.0;
   bool force = false;
   MotionTopics topics;
   MotionConfig motion;
@@ -220,8 +220,7 @@ int parseAndRun(int argc, const char* const* argv) {
   ros::Time::init();
   Options options;
   po::options_description own("Options");
-  own.add_options()                                                                               //
-      ("bag", po::value(&options.bag)->required(), "flight log (rosbag); images are not needed")  //
+  own.add_options()  //
       ("output", po::value(&options.output)->default_value(options.output),
        "name of the results without extension")  //
       ("optical-frame", po::value(&options.optical_frame),
@@ -239,6 +238,8 @@ int parseAndRun(int argc, const char* const* argv) {
                          "rosrun adaptive_grid_stereo tune_thresholds flight.bag --output tuned"};
   po::variables_map values;
   if (!parseCommandLine(argc, argv, help, own, {"bag"}, &values)) return 0;
+  if (values.count("bag") == 0) throw UsageError("a bag is needed: tune_thresholds BAG");
+  options.bag = values["bag"].as<std::string>();
   reportCorrections(kTool, options.motion.validate());
   reportCorrections(kTool, options.guidance.validate());
   return run(options);

@@ -175,8 +175,8 @@ TEST_F(FlightLogTest, StandsThenFliesAndTurnsMostlyLeft) {
     ASSERT_TRUE(answer.motion.valid) << answer.motion.reason << " at " << answer.time;
     EXPECT_EQ(answer.motion.speed_source, "gps_vel");
     EXPECT_EQ(answer.motion.rate_source, "imu");
-    if (answer.time < 16.0) EXPECT_TRUE(answer.state.locked) << "at " << answer.time;
-    if (answer.time > 17.5) EXPECT_TRUE(answer.state.forward) << "at " << answer.time;
+    EXPECT_TRUE(answer.time >= 16.0 || answer.state.locked) << "at " << answer.time;
+    EXPECT_TRUE(answer.time <= 17.5 || answer.state.forward) << "at " << answer.time;
     left += answer.state.yaw == YawSide::kLeft;
     right += answer.state.yaw == YawSide::kRight && answer.time > 18.0;
   }
