@@ -35,13 +35,14 @@ def ratio(method, baseline):
 
 
 def scene_name(scene):
-    return '%s (%d×%d×%d)' % (scene['scene'].capitalize(), scene['width'], scene['height'],
-                              scene['disparity_range'])
+    year = ' 2003' if '2003' in scene['set'] else ''
+    return '%s%s (%d×%d×%d)' % (scene['scene'].capitalize(), year, scene['width'], scene['height'],
+                                scene['disparity_range'])
 
 
 def figure4(folder):
     scenes = load(os.path.join(folder, 'speed', 'results.json'))['scenes']
-    figure, (times, shares) = plt.subplots(1, 2, figsize=(8.5, 3.4))
+    figure, (times, shares) = plt.subplots(1, 2, figsize=(8.5, 3.8))
     summary = []
     for scene, marker in zip(scenes, 'osD^v<>' * 3):
         methods = {m['method']: m for m in scene['methods']}
@@ -53,7 +54,7 @@ def figure4(folder):
                            linewidth=1, label=scene_name(scene))
         times.axhline(base_ms, color=line.get_color(), linestyle=':', linewidth=1)
         shares.plot(speeds, [100 * (1 - r) for r in ratios], marker=marker, markersize=3.5,
-                    linewidth=1, color=line.get_color(), label=scene['scene'].capitalize())
+                    linewidth=1, color=line.get_color())
         summary.append({'scene': scene_name(scene), 'set': scene['set'], 'uniform16_ms': base_ms,
                         'speeds': speeds, 'time_ratio': ratios,
                         'saving_percent': 100 * (1 - ratios[-1])})
@@ -61,13 +62,14 @@ def figure4(folder):
     times.set_xlabel('forward speed [m/s]')
     times.set_ylabel('time per image [ms]')
     times.set_title('(a) dotted: SGM with 16 paths everywhere')
-    times.legend(fontsize=7, loc='lower left')
     shares.axhline(PAPER_SAVING, color='black', linestyle='--', linewidth=1)
     shares.text(0.2, PAPER_SAVING + 1.5, 'the paper, at maximum speed', fontsize=7)
     shares.set_xlabel('forward speed [m/s]')
     shares.set_ylabel('time saved against SGM [%]')
-    shares.set_title('(b)')
-    figure.tight_layout()
+    shares.set_title('(b) time saved')
+    shares.set_ylim(bottom=min(0.0, shares.get_ylim()[0]))
+    figure.legend(fontsize=7, loc='lower center', ncol=4, frameon=False)
+    figure.tight_layout(rect=(0, 0.07, 1, 1))
     save(figure, os.path.join(folder, 'fig4.png'))
     return summary
 
@@ -194,8 +196,9 @@ def draw5(folder, left, truth, results, state, stamp, tallies):
               (axes[1, 1], error, colours, 0, 4, '(d) error of (b) [px]'))
     for axis, picture, colour_map, low, high, title in panels:
         shown = axis.imshow(picture, cmap=colour_map, vmin=low, vmax=high, interpolation='nearest')
-        if colour_map != 'gray':
-            figure.colorbar(shown, ax=axis, fraction=0.026, pad=0.02)
+        # The reference image's bar only keeps the panels alike in size.
+        bar = figure.colorbar(shown, ax=axis, fraction=0.026, pad=0.02)
+        bar.ax.set_visible(colour_map != 'gray')
         axis.add_patch(plt.Rectangle((x - 0.5, y - 0.5), width, height, fill=False, color='red',
                                      linewidth=1.6))
         axis.set_title(title, fontsize=9)
@@ -212,6 +215,28 @@ def draw5(folder, left, truth, results, state, stamp, tallies):
     save(figure, os.path.join(folder, 'fig5.png'))
 
 
+def write_tables(folder, summary):
+    """The tables of docs/paper.md."""
+    lines = ['| image | 16 paths everywhere [ms] | at 20 m/s [ms] | saved |', '|---|---|---|---|']
+    for scene in summary['figure4']:
+        lines.append('| %s | %.1f | %.1f | %.0f %% |' % (
+            scene['scene'], scene['uniform16_ms'], scene['uniform16_ms'] * scene['time_ratio'][-1],
+            scene['saving_percent']))
+    lines += ['', '| | FS [ms] | YS [ms] | PS [ms] | YS / FS | PS / FS |', '|---|---|---|---|---|---|',
+              '| the paper | 663 | 788 | 764 | 1.19 | 1.15 |']
+    for row in summary['table1']:
+        lines.append('| %s | %.1f | %.1f | %.1f | %.2f | %.2f |' % (
+            row['scene'], row['FS'], row['YS'], row['PS'], row['YS'] / row['FS'],
+            row['PS'] / row['FS']))
+    lines += ['', '| %d yaw frames | wrong by > 2 px or missing | wrong by > 2 px among valid | valid |' %
+              summary['figure5']['yaw_frames'], '|---|---|---|---|']
+    for name, error in summary['figure5']['error'].items():
+        lines.append('| %s | %.2f %% | %.2f %% | %.1f %% |' % (
+            name, error['bad2_percent'], error['bad2_valid_percent'], error['density_percent']))
+    with open(os.path.join(folder, 'tables.md'), 'w') as stream:
+        stream.write('\n'.join(lines) + '\n')
+
+
 def main():
     if len(sys.argv) != 2:
         print('usage: plot_paper.py OUT_DIR', file=sys.stderr)
@@ -221,6 +246,7 @@ def main():
         summary = {'figure4': figure4(folder), 'table1': table1(folder), 'figure5': figure5(folder)}
     with open(os.path.join(folder, 'paper.json'), 'w') as stream:
         json.dump(summary, stream, indent=1)
+    write_tables(folder, summary)
     for scene in summary['figure4']:
         print('%-28s uniform 16: %7.2f ms, saved at maximum speed: %4.1f %%' %
               (scene['scene'], scene['uniform16_ms'], scene['saving_percent']))

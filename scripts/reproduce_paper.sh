@@ -3,7 +3,7 @@
 #   scripts/reproduce_paper.sh DATA_DIR OUT_DIR
 # DATA_DIR holds Middlebury sets as their sites ship them (Teddy of 2003, MiddEval3 at any size); of the
 # paper's scenes Djembe, Hoops, Piano and Teddy those are used that are there. OUT_DIR gets fig4.png,
-# fig5.png, table1.txt, paper.json and the raw measurements. Leave the machine alone meanwhile.
+# fig5.png, table1.txt, tables.md, paper.json and the raw measurements. Leave the machine alone meanwhile.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 [ $# -eq 2 ] || { echo "usage: reproduce_paper.sh DATA_DIR OUT_DIR" >&2; exit 2; }
