@@ -327,6 +327,32 @@ TEST_F(FlightLogTest, FilterAndHysteresisCalmTheGrid) {
   EXPECT_LT(changes(0.0, 0.8), raw);
 }
 
+/// A live node asks as soon as its sources are ready and drops frames; the states stay those of the
+/// unhurried run over all frames.
+TEST_F(FlightLogTest, JustInTimeAndWithDroppedFramesTheStatesAreTheSame) {
+  const std::vector<Answer> all = play(MotionConfig());
+  for (const std::size_t every : {1u, 3u, 10u}) {
+    MotionSubscriber subscriber((MotionConfig()));
+    FlightStateMachine machine;
+    const MotionTopics topics = chooseMotionTopics(*bag_, MotionTopics());
+    bag_->rewind();
+    BagMessage message;
+    bool more = bag_->next(&message);
+    std::size_t different = 0, asked = 0;
+    for (std::size_t i = 0; i < all.size(); i += every) {
+      const ros::Time stamp(kStart + all[i].time);
+      while (more && (message.time <= stamp || !subscriber.ready(stamp, ""))) {
+        feedMotion(message, topics, &subscriber);
+        more = bag_->next(&message);
+      }
+      const Motion motion = subscriber.motionAt(stamp, "");
+      ++asked;
+      different += machine.update(motion, stamp.toSec(), GuidanceConfig()) != all[i].state;
+    }
+    EXPECT_EQ(different, 0u) << "of " << asked << " states, every " << every << "th frame";
+  }
+}
+
 TEST(RoverLogTest, OdometryFixesAndBothAgree) {
   const std::string path = dataFile("ground_rover_gps_imu_odom.bag");
   if (!std::ifstream(path)) GTEST_SKIP() << path << " is not there";
