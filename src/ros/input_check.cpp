@@ -12,6 +12,8 @@ namespace {
 
 /// fx of left and right may differ by this share before the pair counts as not rectified.
 constexpr double kFocalTolerance = 1e-3;
+/// No rig is wider [m].
+constexpr double kLargestBaseline = 100.0;
 /// Differences of the two stamps beyond this are mentioned [s].
 constexpr double kOddStampDifference = 0.005;
 
@@ -106,6 +108,11 @@ double checkBaseline(const RectifiedProjection& left, const RectifiedProjection&
                " m (P[3] = " + number(right.tx) +
                ", expected -fx * baseline); publish the stereo calibration, or "
                "set the parameter baseline [m]");
+  refuseIf(!(baseline <= kLargestBaseline), InputFault::kBaseline,
+           topics.right_info + " gives a baseline of " + number(baseline) +
+               " m (P[3] = " + number(right.tx) + ", P[0] = " + number(right.fx) +
+               "); P[3] is -fx * baseline in pixels times metres, not millimetres, so check the "
+               "calibration");
   return baseline;
 }
 

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include <gtest/gtest.h>
 
+#include "adaptive_grid_stereo/ros/conversions.h"
 #include "support/synthetic_pair.h"
 
 namespace adaptive_grid_stereo {
@@ -171,11 +173,14 @@ TEST(InputCheck, RefusesTwoFocalLengths) {
   expectRefused(messages.check(), InputFault::kFocalLength, {"100", "110", "calibrate"});
 }
 
-TEST(InputCheck, RefusesZeroAndNegativeBaselines) {
+TEST(InputCheck, RefusesImpossibleBaselines) {
   Messages zero;
   zero.right_info.P[3] = 0.0;
   expectRefused(zero.check(), InputFault::kBaseline,
                 {"right/camera_info", "0 m", "parameter baseline"});
+  Messages endless;
+  endless.right_info.P[3] = -1e300;
+  expectRefused(endless.check(), InputFault::kBaseline, {"right/camera_info", "millimetres"});
   Messages swapped;
   swapped.right_info.P[3] = 20.0;
   expectRefused(swapped.check(), InputFault::kBaseline, {"-0.2 m", "swapped"});
@@ -217,6 +222,111 @@ TEST(InputCheck, MentionsOddities) {
   Messages bare;
   bare.left.header = bare.right.header = std_msgs::Header();
   EXPECT_EQ(bare.check().warnings.size(), 2U) << "no frame, no stamp";
+}
+
+/// Puts hostile values into a few random fields.
+class Vandal {
+ public:
+  explicit Vandal(std::uint32_t seed) : random_(seed) {}
+
+  int below(int n) { return static_cast<int>(random_() % static_cast<std::uint32_t>(n)); }
+
+  void spoil(sensor_msgs::Image& image) {
+    static const char* const kEncodings[] = {"",      "mono8", "mono16", "bgr8",       "rgba8",
+                                             "32FC1", "8UC3",  "rgb16",  "bayer_rggb8"};
+    switch (below(6)) {
+      case 0:
+        image.width = size();
+        break;
+      case 1:
+        image.height = size();
+        break;
+      case 2:
+        image.step = size();
+        break;
+      case 3:
+        image.encoding = kEncodings[below(9)];
+        break;
+      case 4:
+        image.data.resize(static_cast<std::size_t>(below(40000)));
+        break;
+      default:
+        image.is_bigendian = static_cast<std::uint8_t>(random_());
+    }
+  }
+
+  void spoil(sensor_msgs::CameraInfo& info) {
+    switch (below(5)) {
+      case 0:
+        info.P[below(12)] = value();
+        break;
+      case 1:
+        info.binning_x = size();
+        break;
+      case 2:
+        info.binning_y = size();
+        break;
+      case 3:
+        info.roi.width = size();
+        info.roi.height = size();
+        info.roi.x_offset = size();
+        break;
+      default:
+        info.width = size();
+    }
+  }
+
+ private:
+  std::uint32_t size() {
+    static const std::uint32_t kSizes[] = {
+        0,   1,   2,          15,         16,  64,   96,    127,        128,       129,
+        256, 384, 0x7FFFFFFF, 0x80000000, 512, 1024, 40000, 0xFFFFFFFF, 0xFFFFFF80};
+    return kSizes[below(19)];
+  }
+  double value() {
+    static const double kValues[] = {0.0,   -1.0,         1e-300,   1e300,     100.0,
+                                     -20.0, std::nan(""), HUGE_VAL, -HUGE_VAL, 64.0};
+    return kValues[below(10)];
+  }
+
+  std::mt19937 random_;
+};
+
+TEST(InputCheck, SurvivesHostileMessagesAndConvertsWhatItTakes) {
+  Vandal vandal(1);
+  const Messages good;
+  int taken = 0;
+  for (int i = 0; i < 30000; ++i) {
+    Messages messages = good;
+    for (int n = vandal.below(3); n >= 0; --n) {
+      switch (vandal.below(4)) {
+        case 0:
+          vandal.spoil(messages.left);
+          break;
+        case 1:
+          vandal.spoil(messages.right);
+          break;
+        case 2:
+          vandal.spoil(messages.left_info);
+          break;
+        default:
+          vandal.spoil(messages.right_info);
+      }
+    }
+    const InputVerdict verdict = messages.check();
+    ASSERT_EQ(verdict.ok(), verdict.error.empty());
+    if (!verdict.ok()) continue;
+    ++taken;
+    ASSERT_GT(verdict.geometry.focal_length, 0.0);
+    ASSERT_GT(verdict.geometry.baseline, 0.0);
+    ASSERT_TRUE(std::isfinite(verdict.geometry.baseline));
+    ASSERT_TRUE(std::isfinite(verdict.geometry.center_offset));
+    const GreyPair grey = toGreyPair(messages.left, messages.right);
+    ASSERT_EQ(grey.left.size(), grey.right.size());
+    ASSERT_EQ(grey.left.cols, static_cast<int>(messages.left.width));
+    ASSERT_GE(cv::sum(grey.left)[0], 0.0) << "every pixel can be read";
+  }
+  EXPECT_GT(taken, 1000) << "some changes are harmless";
 }
 
 }  // namespace
