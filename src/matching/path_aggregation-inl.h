@@ -68,21 +68,33 @@ struct Path {
 };
 
 template <int kDirection>
-HWY_INLINE Path MakePath(D8 d, const SweepRow& row, int u, std::uint8_t* pixel,
-                         std::size_t block_stride) {
+HWY_INLINE Path MakePath(D8 d, const SweepRow& row, int u, std::uint8_t* pixel, int padded_range) {
   const std::uint8_t* predecessor = Predecessor<kDirection>(row, u);
-  const std::size_t block = kBlockPad + kDirection * block_stride;
+  const std::size_t block = kPixelHeader + kDirection * static_cast<std::size_t>(padded_range);
   const V8 smallest = hn::Set(d, predecessor[kDirection]);
   const V8 penalty = hn::Set(d, row.penalties[u * kSweepDirections + kDirection]);
   return {predecessor + block, pixel + block, smallest, hn::Add(smallest, penalty)};
 }
 
+// Whether a vector of disparities begins or ends the range.
+struct RangeEnds {
+  bool first, last;
+};
+
 // Eq. 6 without the matching cost: min(L(d), L(d +- 1) + P1, min L + P2) - min L, at most P2.
-HWY_INLINE V8 Transition(D8 d, const Path& path, int k, V8 penalty_small) {
+HWY_INLINE V8 Transition(D8 d, const Path& path, int k, const RangeEnds& ends, V8 penalty_small) {
+  // 255 stands for the cost beyond either end of the range, where other bytes lie in memory.
+  alignas(64) static constexpr std::uint8_t kBelow[kMaxLanes] = {255};
+  alignas(64) static constexpr std::uint8_t kAbove[2 * kMaxLanes] = {
+      0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  0, 0,
+      0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  0, 0,
+      0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255};
   const std::uint8_t* from = path.from + k;
-  const V8 neighbour = hn::Min(hn::LoadU(d, from - 1), hn::LoadU(d, from + 1));
-  const V8 stepped = hn::SaturatedAdd(neighbour, penalty_small);
-  return hn::Sub(hn::Min(hn::Min(hn::LoadU(d, from), path.limit), stepped), path.smallest);
+  V8 below = hn::LoadU(d, from - 1), above = hn::LoadU(d, from + 1);
+  if (ends.first) below = hn::Or(below, hn::Load(d, kBelow));
+  if (ends.last) above = hn::Or(above, hn::Load(d, kAbove + kMaxLanes - hn::Lanes(d)));
+  const V8 stepped = hn::SaturatedAdd(hn::Min(below, above), penalty_small);
+  return hn::Sub(hn::Min(hn::Min(hn::Load(d, from), path.limit), stepped), path.smallest);
 }
 
 // Minimum over the blocks of 16 bytes.
@@ -131,26 +143,27 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* smallest) {
 // The path costs of `kVectors` vectors of disparities from index k on, for all directions; returns
 // the sums of the transitions (the matching cost is added later, once for all directions).
 template <int kDirections, int kVectors>
-HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel,
-                                 std::size_t block_stride, const V8* cost, int k, bool first,
-                                 V8 penalty_small, V8* smallest, ByteSums* sums) {
+HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel, int padded_range,
+                                 const V8* cost, int k, V8 penalty_small, V8* smallest,
+                                 ByteSums* sums) {
   const D8 d;
   const D16 d16;
   const int lanes = static_cast<int>(hn::Lanes(d));
   Repeat<kDirections / 2>([&](auto pair_of) AGS_LAMBDA {
     constexpr int kA = 2 * decltype(pair_of)::value, kB = kA + 1;
-    const Path path_a = MakePath<kA>(d, row, u, pixel, block_stride);
-    const Path path_b = MakePath<kB>(d, row, u, pixel, block_stride);
+    const Path path_a = MakePath<kA>(d, row, u, pixel, padded_range);
+    const Path path_b = MakePath<kB>(d, row, u, pixel, padded_range);
     Repeat<kVectors>([&](auto vector) AGS_LAMBDA {
       constexpr int i = decltype(vector)::value;
       const int at = k + i * lanes;
-      const V8 a = Transition(d, path_a, at, penalty_small);
-      const V8 b = Transition(d, path_b, at, penalty_small);
+      const RangeEnds ends = {at == 0, at + lanes == padded_range};
+      const V8 a = Transition(d, path_a, at, ends, penalty_small);
+      const V8 b = Transition(d, path_b, at, ends, penalty_small);
       const V8 cost_a = hn::SaturatedAdd(a, cost[i]), cost_b = hn::SaturatedAdd(b, cost[i]);
-      hn::StoreU(cost_a, d, path_a.to + at);
-      hn::StoreU(cost_b, d, path_b.to + at);
-      smallest[kA] = first && i == 0 ? cost_a : hn::Min(smallest[kA], cost_a);
-      smallest[kB] = first && i == 0 ? cost_b : hn::Min(smallest[kB], cost_b);
+      hn::Store(cost_a, d, path_a.to + at);
+      hn::Store(cost_b, d, path_b.to + at);
+      smallest[kA] = ends.first ? cost_a : hn::Min(smallest[kA], cost_a);
+      smallest[kB] = ends.first ? cost_b : hn::Min(smallest[kB], cost_b);
       // Two transitions fit a byte. Their sums: `even` gathers even + 256 * odd modulo 65536.
       const V16 pair = hn::BitCast(d16, hn::Add(a, b));
       const V16 high = hn::ShiftRight<8>(pair);

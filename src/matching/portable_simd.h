@@ -28,6 +28,9 @@
 #define HWY_NOINLINE
 #define HWY_EXPORT(function) static_assert(true, "")
 #define HWY_DYNAMIC_DISPATCH(function) N_PORTABLE::function
+namespace hwy {
+inline void FlushStream() {}
+}  // namespace hwy
 #endif
 
 namespace adaptive_grid_stereo {
@@ -95,6 +98,10 @@ void StoreU(Vector<T, N> v, Tag<T, N>, T* to) {
 }
 template <typename T, std::size_t N>
 void Store(Vector<T, N> v, Tag<T, N> d, T* to) {
+  StoreU(v, d, to);
+}
+template <typename T, std::size_t N>
+void Stream(Vector<T, N> v, Tag<T, N> d, T* to) {
   StoreU(v, d, to);
 }
 template <typename T, std::size_t N, typename U>

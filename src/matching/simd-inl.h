@@ -6,6 +6,7 @@
 #if defined(AGS_PORTABLE_SIMD)
 #include "src/matching/portable_simd.h"
 #else
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // must precede highway.h
 #include <hwy/highway.h>
 #include "src/matching/portable_simd.h"

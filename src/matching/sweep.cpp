@@ -54,10 +54,6 @@ struct PixelSweep {
   static HWY_INLINE int PaddedRange(const SweepFrame& frame) {
     return kPadded ? kPadded : frame.layout.padded_range;
   }
-  static HWY_INLINE std::size_t BlockStride(const SweepFrame& frame) {
-    return static_cast<std::size_t>(PaddedRange(frame)) + kBlockPad;
-  }
-
   // Costs, first half of the paths, volume.
   static HWY_INLINE void First(const SweepFrame& frame, const SweepRow& row, int u) {
     const D8 d;
@@ -78,7 +74,7 @@ struct PixelSweep {
       }
       ByteSums sums[kVectors];
       Aggregate<kVectors>(frame, row, u, pixel, cost, k, smallest, sums);
-      for (int i = 0; i < kVectors; ++i) Pack(cost[i], sums[i], volume + k + i * lanes);
+      for (int i = 0; i < kVectors; ++i) Pack(frame, cost[i], sums[i], volume + k + i * lanes);
     });
     StoreSmallest<kDirections>(d, smallest, pixel);
   }
@@ -89,6 +85,7 @@ struct PixelSweep {
     const int x = frame.width - 1 - u;
     std::uint8_t* pixel = row.current[u];
     const std::uint16_t* volume = row.volume + static_cast<std::size_t>(x) * PaddedRange(frame);
+    Prefetch(frame, volume);
     alignas(64) std::uint16_t all_sums[kPadded ? kPadded : kMaxRange];
     V8 smallest[kSweepDirections];
     WinnerSearch search = StartSearch();
@@ -136,17 +133,31 @@ struct PixelSweep {
                                    std::uint8_t* pixel, const V8* cost, int k, V8* smallest,
                                    ByteSums* sums) {
     AggregateVectors<kDirections, kVectors>(
-        row, u, pixel, BlockStride(frame), cost, k, k == 0,
+        row, u, pixel, PaddedRange(frame), cost, k,
         hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small)), smallest, sums);
   }
 
-  static HWY_INLINE void Pack(V8 cost, const ByteSums& sums, std::uint16_t* volume) {
+  static HWY_INLINE void Pack(const SweepFrame& frame, V8 cost, const ByteSums& sums,
+                              std::uint16_t* volume) {
     const D16 d;
     const V16 cost16 = hn::BitCast(d, cost);
-    const V16 even_cost = hn::And(cost16, hn::Set(d, kCostMask));
-    hn::Store(hn::Or(hn::ShiftLeft<kCostBits>(sums.even), even_cost), d, volume);
-    hn::Store(hn::Or(hn::ShiftLeft<kCostBits>(sums.odd), hn::ShiftRight<8>(cost16)), d,
-              volume + hn::Lanes(d));
+    const V16 even =
+        hn::Or(hn::ShiftLeft<kCostBits>(sums.even), hn::And(cost16, hn::Set(d, kCostMask)));
+    const V16 odd = hn::Or(hn::ShiftLeft<kCostBits>(sums.odd), hn::ShiftRight<8>(cost16));
+    if (frame.stream_volume) {
+      hn::Stream(even, d, volume);
+      hn::Stream(odd, d, volume + hn::Lanes(d));
+    } else {
+      hn::Store(even, d, volume);
+      hn::Store(odd, d, volume + hn::Lanes(d));
+    }
+  }
+
+  // The second sweep goes down through memory, where hardware needs help to fetch ahead.
+  static HWY_INLINE void Prefetch(const SweepFrame& frame, const std::uint16_t* volume) {
+    constexpr int kPixelsAhead = 4, kLine = 64 / sizeof(std::uint16_t);
+    const std::uint16_t* ahead = volume - kPixelsAhead * PaddedRange(frame);
+    for (int k = 0; k < PaddedRange(frame); k += kLine) __builtin_prefetch(ahead + k);
   }
 
   static HWY_INLINE V8 UnpackCost(const SweepFrame& frame, const std::uint16_t* volume, int k) {
@@ -233,7 +244,7 @@ HWY_INLINE void ClearDirections(const PathLayout& layout, const PathRow& row, in
   std::uint8_t* pixel = row[u];
   for (int r = first; r < kSweepDirections; ++r) {
     pixel[r] = 0;
-    std::memset(pixel + kBlockPad + r * layout.block_stride, 0, layout.range);
+    std::memset(pixel + kPixelHeader + r * layout.padded_range, 0, layout.range);
   }
 }
 
@@ -320,6 +331,7 @@ HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_c
     }
     own->column.store(step - 1 - lag, std::memory_order_release);
   }
+  if (frame.stream_volume) hwy::FlushStream();
   own->column.store(end, std::memory_order_release);
 }
 

@@ -31,21 +31,19 @@ constexpr int kPathMargin = 2;
 /// Directions per sweep.
 constexpr int kSweepDirections = 8;
 
-/// Bytes before each direction's path costs, which hold 255 as the cost beyond the first and the
-/// last disparity.
-constexpr int kBlockPad = 32;
+/// Bytes before a pixel's path costs; the first kSweepDirections hold the smallest cost of each
+/// direction.
+constexpr int kPixelHeader = 64;
 
 /// What a pixel of a sweep needs: kClear sets all path costs to zero, so that paths start anew
 /// there; others aggregate 2, 4 or 8 directions; kClearRest in addition clears those it does not
 /// use, for a neighbour in a cell with more paths.
 enum PixelKind : std::uint8_t { kClear = 0, kTwo = 1, kFour = 2, kEight = 3, kClearRest = 4 };
 
-/// Path costs of a pixel: kBlockPad bytes whose first kSweepDirections hold the smallest cost of
-/// each direction, then a block of padded_range costs and kBlockPad bytes for each direction.
+/// Path costs of a pixel: the header, then for each direction a block of padded_range costs.
 struct PathLayout {
   int range = 0;
   int padded_range = 0;
-  std::size_t block_stride = 0;
   std::size_t pixel_stride = 0;
 };
 
@@ -86,6 +84,8 @@ struct SweepFrame {
   /// Of the winner's sum, times 4096, below which a rival makes it ambiguous; 0: no check.
   int uniqueness_factor = 0;
   PathLayout layout;
+  /// Write the volume past the caches, which it would only sweep out.
+  bool stream_volume = false;
 };
 
 /// Columns that a band has finished, for the thread of the next band.

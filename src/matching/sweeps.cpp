@@ -15,13 +15,17 @@ constexpr int kRingPixels = 8;
 static_assert(2 * kBandLag + 2 <= kRingPixels, "a ring must hold what the rows below still need");
 static_assert(kBandRows >= 2, "the two rows above a band come from one band");
 
+// From this size on [bytes] the volume does not stay in the caches from one sweep to the other.
+constexpr std::size_t kStreamedVolume = std::size_t{12} << 20;
+
 PathLayout makeLayout(int range) {
   PathLayout layout;
   const int lanes = std::max(sweepLanes(), 16);
   layout.range = range;
   layout.padded_range = (range + lanes - 1) / lanes * lanes;
-  layout.block_stride = static_cast<std::size_t>(layout.padded_range) + kBlockPad;
-  layout.pixel_stride = (kBlockPad + kSweepDirections * layout.block_stride + 63) / 64 * 64;
+  layout.pixel_stride =
+      (kPixelHeader + kSweepDirections * static_cast<std::size_t>(layout.padded_range) + 63) / 64 *
+      64;
   return layout;
 }
 
@@ -47,22 +51,25 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
           ? static_cast<int>(std::lround(4096.0 * 100.0 / (100.0 - config.uniqueness_ratio)))
           : 0;
   const PathLayout layout = makeLayout(config.disparity_range);
-  // The bytes around path costs must be 255; a new layout puts them elsewhere.
+  // Path costs beyond the range must be 255; a new layout puts them elsewhere.
   const bool moved = layout.range != frame_.layout.range;
   frame_.layout = layout;
   fillPenaltyTable(config, penalty_table_);
 
   const auto reserveCosts = [&](std::size_t pixels, AlignedBuffer<std::uint8_t>* buffer) {
-    const std::size_t bytes = pixels * layout.pixel_stride;
+    // Neighbours of the last disparity are read one byte further.
+    const std::size_t bytes = pixels * layout.pixel_stride + kMaxLanes;
     if (buffer->reserve(bytes) || moved) std::memset(buffer->data(), 255, bytes);
   };
-  volume_.reserve(static_cast<std::size_t>(width) * height * layout.padded_range);
+  const std::size_t volume_size = static_cast<std::size_t>(width) * height * layout.padded_range;
+  volume_.reserve(volume_size);
+  frame_.stream_volume = volume_size * sizeof(std::uint16_t) >= kStreamedVolume;
   const std::size_t row_pixels = static_cast<std::size_t>(width) + 2 * kPathMargin;
   reserveCosts(2 * row_pixels * (threads + 1), &boundary_rows_);
   reserveCosts(1, &zero_pixel_);
   for (int r = 0; r < kSweepDirections; ++r) {
     zero_pixel_.data()[r] = 0;
-    std::memset(zero_pixel_.data() + kBlockPad + r * layout.block_stride, 0, layout.range);
+    std::memset(zero_pixel_.data() + kPixelHeader + r * layout.padded_range, 0, layout.range);
   }
   const int bands = (height + kBandRows - 1) / kBandRows;
   if (bands > progress_size_) {
