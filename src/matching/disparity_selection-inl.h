@@ -79,6 +79,16 @@ HWY_INLINE V16 EvenIndices(int block_begin) {
   return hn::Add(hn::Load(d, kEven), hn::Set(d, static_cast<std::uint16_t>(block_begin)));
 }
 
+// Sums of a block beginning at disparity index `at` become kNoSum from index `range` on.
+HWY_INLINE void DropSumsBeyond(int range, int at, ByteSums* sums) {
+  const D16 d;
+  if (at + static_cast<int>(hn::Lanes(D8())) <= range) return;
+  const V16 last = hn::Set(d, static_cast<std::uint16_t>(range - 1)), none = hn::Set(d, kNoSum);
+  const V16 even = EvenIndices(at), odd = hn::Add(even, hn::Set(d, std::uint16_t{1}));
+  sums->even = hn::IfThenElse(hn::Eq(hn::Min(even, last), even), sums->even, none);
+  sums->odd = hn::IfThenElse(hn::Eq(hn::Min(odd, last), odd), sums->odd, none);
+}
+
 // The winner among the candidates [begin, end) of any number of sums in memory; the other sums
 // become kNoSum.
 HWY_INLINE int SearchCandidates(std::uint16_t* sums, int count, int begin, int end) {

@@ -73,6 +73,7 @@ std::vector<std::string> MatcherConfig::validate() {
   corrections.set("penalty_large", std::max(penalty_large, penalty_small + 1),
                   "must exceed penalty_small", &penalty_large);
   corrections.limit("uniqueness_ratio", 0.0, 99.0, &uniqueness_ratio);
+  corrections.limit("min_contrast", 0.0, 100.0, &min_contrast);
   corrections.limit("disp12MaxDiff", -1, 512, &disp12_max_diff);
   corrections.limit("speckle_size", 0, 100000, &speckle_size);
   corrections.limit("speckle_range", 0, 512, &speckle_range);

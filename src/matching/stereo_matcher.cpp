@@ -99,6 +99,13 @@ void StereoMatcher::Impl::transform(const cv::Mat& left_image, const cv::Mat& ri
 }
 
 void StereoMatcher::Impl::refine() {
+  const int threads = pool->size(), height = unfiltered.rows;
+  if (config.min_contrast > 0.0) {
+    pool->run([&](int thread) {
+      removeLowContrast(left, config.census_window, config.min_contrast, height * thread / threads,
+                        height * (thread + 1) / threads, &unfiltered);
+    });
+  }
   if (config.speckle_size > 0) {
     removeSmallRegions(config.speckle_size, config.speckle_range * kDisparityScale, &regions,
                        &unfiltered);
@@ -107,7 +114,6 @@ void StereoMatcher::Impl::refine() {
     unfiltered.copyTo(result.disparity);
     return;
   }
-  const int threads = pool->size(), height = unfiltered.rows;
   pool->run([&](int thread) {
     medianOfValid(unfiltered, height * thread / threads, height * (thread + 1) / threads,
                   &result.disparity);

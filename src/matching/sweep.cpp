@@ -47,8 +47,8 @@ constexpr CensusWindow kUsualWindow = CensusWindow::k9x7;
 constexpr int kUsualPlanes = censusPlanes(kUsualWindow);
 
 // A pixel's work, specialised: kDirections 2, 4 or 8; kPadded the padded range if known at compile
-// time, else 0; kInner if all disparities stay inside the right image, the range needs no padding
-// and the window is the usual one.
+// time, else 0; kInner if all disparities stay inside the right image and the window is the usual
+// one.
 template <int kDirections, int kPadded, bool kInner>
 struct PixelSweep {
   static HWY_INLINE int PaddedRange(const SweepFrame& frame) {
@@ -67,7 +67,8 @@ struct PixelSweep {
       V8 cost[kVectors];
       for (int i = 0; i < kVectors; ++i) {
         if constexpr (kInner) {
-          cost[i] = HammingDistances<kUsualPlanes>(census, k + i * lanes);
+          cost[i] =
+              EndCosts(frame, k + i * lanes, HammingDistances<kUsualPlanes>(census, k + i * lanes));
         } else {
           cost[i] = BorderCosts(frame, census, k + i * lanes);
         }
@@ -99,6 +100,7 @@ struct PixelSweep {
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
         AddFirstSweep(volume + at, &sums[i]);
+        if (kInner) DropSumsBeyond(frame.layout.range, at, &sums[i]);
         hn::Store(sums[i].even, D16(), all_sums + at);
         hn::Store(sums[i].odd, D16(), all_sums + at + lanes / 2);
         if (kInner) AddToSearch(sums[i], at / lanes, &search);
@@ -109,7 +111,7 @@ struct PixelSweep {
       int sum = 0;
       const int winner = EndSearch(search, all_sums, &sum);
       row.winners[x] =
-          MakeWinner(frame, all_sums, PaddedRange(frame), winner, sum, 0, PaddedRange(frame));
+          MakeWinner(frame, all_sums, PaddedRange(frame), winner, sum, 0, frame.layout.range);
     } else {
       row.winners[x] = SelectAmongCandidates(frame, all_sums, x);
     }
@@ -167,10 +169,15 @@ struct PixelSweep {
     const V16 even = hn::And(hn::Load(d16, volume + k), mask);
     const V16 odd = hn::And(hn::Load(d16, volume + k + hn::Lanes(d16)), mask);
     const V8 cost = hn::BitCast(d, hn::Or(even, hn::ShiftLeft<8>(odd)));
-    if (kInner) return cost;
-    // Beyond the range the cost is 255, which the volume has no room for.
-    const int lanes = static_cast<int>(hn::Lanes(d));
-    return hn::IfThenElse(hn::FirstN(d, std::clamp(frame.layout.range - k, 0, lanes)), cost,
+    return EndCosts(frame, k, cost);
+  }
+
+  // Beyond the range the cost is 255 (which the volume has no room for).
+  static HWY_INLINE V8 EndCosts(const SweepFrame& frame, int k, V8 cost) {
+    const D8 d;
+    const int range = frame.layout.range;
+    if (k + static_cast<int>(hn::Lanes(d)) <= range) return cost;
+    return hn::IfThenElse(hn::FirstN(d, std::max(0, range - k)), cost,
                           hn::Set(d, std::uint8_t{255}));
   }
 
@@ -234,7 +241,7 @@ HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row
     case 128:
       return run(std::integral_constant<int, 128>());
     default:
-      SweepKind<0, false, kSecondSweep>(frame, rows, row_count, kind, begin, end);
+      return run(std::integral_constant<int, 0>());
   }
 }
 
@@ -271,8 +278,8 @@ struct InnerColumns {
 
 HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame, bool second_sweep) {
   const PathLayout& layout = frame.layout;
-  if (layout.padded_range != layout.range || frame.window != kUsualWindow ||
-      layout.range > kSearchBlocks * static_cast<int>(hn::Lanes(D8()))) {
+  if (frame.window != kUsualWindow ||
+      layout.padded_range > kSearchBlocks * static_cast<int>(hn::Lanes(D8()))) {
     return {0, 0};
   }
   const int begin = std::max(0, frame.min_disparity + layout.range - 1);

@@ -176,6 +176,7 @@ void pairReconfigure(Reconfigure& to, Config& from, Copy copy) {
   copy(to.adaptive_penalty, from.matcher.adaptive_penalty);
   copy(to.uniqueness_ratio, from.matcher.uniqueness_ratio);
   copy(to.disp12MaxDiff, from.matcher.disp12_max_diff);
+  copy(to.min_contrast, from.matcher.min_contrast);
   copy(to.speckle_size, from.matcher.speckle_size);
   copy(to.speckle_range, from.matcher.speckle_range);
   copy(to.subpixel, from.matcher.subpixel);

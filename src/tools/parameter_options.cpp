@@ -60,6 +60,7 @@ const std::map<std::string, std::string>& helpTexts() {
       {"adaptive_penalty", "divide P2' by the grey-level step"},
       {"uniqueness_ratio", "lead of the winner [%]"},
       {"disp12MaxDiff", "left-right difference allowed [px]; negative: no check"},
+      {"min_contrast", "invalid where the grey levels vary less; 0: no check"},
       {"speckle_size", "regions up to this size are removed [px]; 0: none"},
       {"speckle_range", "disparity step inside a region [px]"},
       {"subpixel", "quadratic sub-pixel interpolation"},

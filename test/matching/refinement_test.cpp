@@ -40,7 +40,7 @@ TEST(SmallRegions, equalOpenCvAndTheReference) {
     cv::filterSpeckles(theirs, kInvalidDisparity, config.speckle_size,
                        config.speckle_range * kDisparityScale);
     EXPECT_TRUE(equal(theirs, ours)) << "seed " << seed;
-    EXPECT_TRUE(equal(reference::refine(disparity, config), ours)) << "seed " << seed;
+    EXPECT_TRUE(equal(reference::refine(disparity, cv::Mat(), config), ours)) << "seed " << seed;
   }
 }
 
@@ -54,7 +54,8 @@ TEST(Median, equalsTheReferenceOnEveryTarget) {
       cv::Mat ours(size, CV_16SC1);
       medianOfValid(disparity, 0, size.height / 2, &ours);
       medianOfValid(disparity, size.height / 2, size.height, &ours);
-      EXPECT_TRUE(equal(reference::refine(disparity, config), ours)) << target << " " << size;
+      EXPECT_TRUE(equal(reference::refine(disparity, cv::Mat(), config), ours))
+          << target << " " << size;
     }
   }
   useSimdTarget("");

@@ -148,6 +148,11 @@ TEST_F(ReferenceTest, selectionAndRefinement) {
     }
   }
   config_.uniqueness_ratio = 0.0;
+  for (const double contrast : {1.0, 9.7, 40.0}) {
+    config_.min_contrast = contrast;
+    expectReference(images_, uniformPlan(61, 37, 8), config_);
+  }
+  config_.min_contrast = 0.0;
   config_.subpixel = false;
   config_.median_filter = false;
   config_.speckle_size = 0;
@@ -250,6 +255,18 @@ TEST(StereoMatcher, marksInvalidPixelsByOneValueBelowTheSmallest) {
     }
   }
   EXPECT_GT(invalid, 0);
+}
+
+TEST(StereoMatcher, leavesFlatRegionsOutOnRequest) {
+  ImagePair images = texturedPair(120, 60, 4, 4, 9);
+  for (cv::Mat* image : {&images.left, &images.right}) image->rowRange(0, 30).setTo(200);
+  MatcherConfig config;
+  config.min_contrast = 2.0;
+  StereoMatcher matcher(config);
+  const cv::Mat disparity =
+      matcher.match(images.left, images.right, uniformPlan(120, 60, 16)).disparity;
+  EXPECT_EQ(0, cv::countNonZero(disparity.rowRange(0, 26) != kInvalidDisparity));
+  EXPECT_GT(cv::countNonZero(disparity.rowRange(32, 60) != kInvalidDisparity), 28 * 100);
 }
 
 TEST(StereoMatcher, acceptsViewsIntoLargerImages) {

@@ -202,6 +202,31 @@ cv::Mat select(const Volume& sums, const PathPlan& plan, const MatcherConfig& co
 
 namespace {
 
+// Where the standard deviation of the grey levels in the census window is below min_contrast.
+void removeLowContrast(const cv::Mat& image, const MatcherConfig& config, cv::Mat* disparity) {
+  const cv::Size window = config.census_window == CensusWindow::k5x5   ? cv::Size(5, 5)
+                          : config.census_window == CensusWindow::k7x7 ? cv::Size(7, 7)
+                                                                       : cv::Size(9, 7);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      double sum = 0.0, squares = 0.0;
+      for (int j = -window.height / 2; j <= window.height / 2; ++j) {
+        for (int i = -window.width / 2; i <= window.width / 2; ++i) {
+          const double grey = image.at<uchar>(std::clamp(y + j, 0, image.rows - 1),
+                                              std::clamp(x + i, 0, image.cols - 1));
+          sum += grey;
+          squares += grey * grey;
+        }
+      }
+      // variance * n^2, exact in doubles; the limit is rounded to a whole number.
+      const double n = window.area();
+      if (squares * n - sum * sum < std::round(config.min_contrast * config.min_contrast * n * n)) {
+        disparity->at<std::int16_t>(y, x) = kInvalidDisparity;
+      }
+    }
+  }
+}
+
 // Four-connected regions of valid pixels whose neighbours differ by at most max_step; those of at
 // most max_size pixels become invalid.
 void removeSmallRegions(int max_size, int max_step, cv::Mat* disparity) {
@@ -254,8 +279,9 @@ cv::Mat medianOfValid(const cv::Mat& disparity) {
 
 }  // namespace
 
-cv::Mat refine(const cv::Mat& disparity, const MatcherConfig& config) {
+cv::Mat refine(const cv::Mat& disparity, const cv::Mat& left, const MatcherConfig& config) {
   cv::Mat result = disparity.clone();
+  if (config.min_contrast > 0.0) removeLowContrast(left, config, &result);
   if (config.speckle_size > 0) {
     removeSmallRegions(config.speckle_size, config.speckle_range * kDisparityScale, &result);
   }
@@ -267,7 +293,7 @@ cv::Mat match(const cv::Mat& left, const cv::Mat& right, const PathPlan& plan,
   const Volume cost =
       matchingCost(census(left, config.census_window), census(right, config.census_window),
                    left.cols, left.rows, config);
-  return refine(select(aggregate(cost, left, plan, config), plan, config), config);
+  return refine(select(aggregate(cost, left, plan, config), plan, config), left, config);
 }
 
 }  // namespace reference

@@ -47,6 +47,9 @@ struct MatcherConfig {
   double uniqueness_ratio = 0.0;
   /// Largest difference between the left and the right disparity [px]; negative: no check.
   int disp12_max_diff = 2;
+  /// Pixels whose surroundings vary less are invalid: standard deviation in the census window [grey
+  /// levels], 0..100; 0: no check. Keeps false depth out of open sky, at the price of bare walls.
+  double min_contrast = 0.0;
   /// Connected regions of at most so many pixels are removed [px]; 0: no removal.
   int speckle_size = 100;
   /// Neighbours belong to one region if their disparities differ by at most this [px].

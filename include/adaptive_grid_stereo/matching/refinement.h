@@ -6,7 +6,16 @@
 
 #include <opencv2/core.hpp>
 
+#include "adaptive_grid_stereo/matching/matcher_config.h"
+#include "adaptive_grid_stereo/matching/padded_image.h"
+
 namespace adaptive_grid_stereo {
+
+/// Sets pixels of rows [first_row, last_row) to kInvalidDisparity where the grey levels of the left image
+/// vary too little to be matched: where their standard deviation within the census window (borders
+/// replicate the edge) is below min_contrast [grey levels]. Thread safe for disjoint rows.
+void removeLowContrast(const PaddedImage& left, CensusWindow window, double min_contrast,
+                       int first_row, int last_row, cv::Mat* disparity);
 
 /// Buffers of removeSmallRegions, reused from frame to frame.
 struct RegionBuffers {

@@ -21,6 +21,7 @@ void visitMatcherParameters(Config& config, Visitor&& visit) {
   visit("adaptive_penalty", config.adaptive_penalty);
   visit("uniqueness_ratio", config.uniqueness_ratio);
   visit("disp12MaxDiff", config.disp12_max_diff);
+  visit("min_contrast", config.min_contrast);
   visit("speckle_size", config.speckle_size);
   visit("speckle_range", config.speckle_range);
   visit("subpixel", config.subpixel);
