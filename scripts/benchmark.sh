@@ -27,7 +27,7 @@ say "Building"
 cmake -S "$repository" -B "$build_dir" -DCMAKE_BUILD_TYPE=Release >"$output/build.log" 2>&1 ||
   { cat "$output/build.log"; fail "cmake failed"; }
 targets=(matcher_benchmark)
-if grep -q '^add_executable(kernels_benchmark' "$repository"/benchmark/*.cmake 2>/dev/null; then
+if grep -q 'add_executable(kernels_benchmark' "$repository"/benchmark/*.cmake 2>/dev/null; then
   targets+=(kernels_benchmark)
 fi
 cmake --build "$build_dir" -j"$(nproc)" --target "${targets[@]}" >>"$output/build.log" 2>&1 ||
