@@ -11,6 +11,7 @@ import xmlrpc.client
 
 import rospy
 import rostest
+from roslib.packages import find_node
 from sensor_msgs.msg import CameraInfo, Image
 from stereo_msgs.msg import DisparityImage
 
@@ -134,9 +135,9 @@ class ProcessFaults(unittest.TestCase):
 
     def start_node(self, name_space, *parameters):
         """The stand-alone node."""
-        process = self.start("rosrun", "adaptive_grid_stereo", "adaptive_grid_stereo_node",
-                             "__ns:=" + name_space, *parameters)
-        return process
+        # Not by rosrun, which does not look into a build folder inside of the package.
+        node = find_node("adaptive_grid_stereo", "adaptive_grid_stereo_node")[0]
+        return self.start(node, "__ns:=" + name_space, *parameters)
 
     def test_manager_is_killed_and_respawned(self):
         """With respawn:=true the launch file brings manager and nodelet back."""
