@@ -52,7 +52,7 @@ need "images, vectors, command lines, YAML, JSON" \
   nlohmann-json3-dev
 need "SIMD for every CPU (Google Highway)" libhwy-dev
 need "ray casting for the simulated flight" libembree-dev
-need "unit tests" libgtest-dev
+need "unit tests and benchmarks" libgtest-dev libbenchmark-dev
 need "pictures of a flight" python3-numpy python3-matplotlib python3-opencv python3-yaml
 for option in "$@"; do
   case "$option" in
