@@ -11,9 +11,9 @@ namespace adaptive_grid_stereo {
 /// paths that each of them gets.
 ///
 /// Cells are numbered row by row from the top left (1 2 3 / 4 5 6 / 7 8 9); `paths[cell - 1]` holds
-/// 4, 8 or 16. Cell column `c` covers the image columns [column_edges[c], column_edges[c + 1]) [px],
-/// likewise for rows. Edges never decrease, start at 0 and end at the image's size, so that the cells
-/// tile the image exactly; an empty column or row is legal.
+/// 4, 8 or 16. Cell column `c` covers the image columns [column_edges[c], column_edges[c + 1])
+/// [px], likewise for rows. Edges never decrease, start at 0 and end at the image's size, so that
+/// the cells tile the image exactly; an empty column or row is legal.
 struct PathPlan {
   std::array<int, 4> column_edges{};
   std::array<int, 4> row_edges{};
@@ -50,16 +50,16 @@ inline double meanPaths(const PathPlan& plan) {
   return area > 0.0 ? sum / area : 0.0;
 }
 
-/// Throws std::invalid_argument, naming the value found, unless the plan tiles a width x height [px]
-/// image exactly and holds 4, 8 or 16 paths in every cell.
+/// Throws std::invalid_argument, naming the value found, unless the plan tiles a width x height
+/// [px] image exactly and holds 4, 8 or 16 paths in every cell.
 inline void checkPlan(const PathPlan& plan, int width, int height) {
   const auto checkEdges = [](const std::array<int, 4>& edges, int size, const char* name) {
     if (edges[0] != 0 || edges[3] != size || edges[1] < 0 || edges[2] < edges[1] ||
         edges[3] < edges[2]) {
-      throw std::invalid_argument(std::string("path plan: ") + name + " [" +
-                                  std::to_string(edges[0]) + ", " + std::to_string(edges[1]) + ", " +
-                                  std::to_string(edges[2]) + ", " + std::to_string(edges[3]) +
-                                  "] do not tile 0.." + std::to_string(size));
+      throw std::invalid_argument(
+          std::string("path plan: ") + name + " [" + std::to_string(edges[0]) + ", " +
+          std::to_string(edges[1]) + ", " + std::to_string(edges[2]) + ", " +
+          std::to_string(edges[3]) + "] do not tile 0.." + std::to_string(size));
     }
   };
   checkEdges(plan.column_edges, width, "column_edges");

@@ -168,14 +168,15 @@ bool plot(const std::string& data, const std::string& picture) {
   const std::string script = ownFolder() + "/plot_thresholds.py";
   const pid_t child = fork();
   if (child == 0) {
-    execlp("python3", "python3", script.c_str(), data.c_str(), picture.c_str(),
-           static_cast<char*>(nullptr));
+    // By its own first line: the installed script names the Python that has matplotlib.
+    execl(script.c_str(), script.c_str(), data.c_str(), picture.c_str(),
+          static_cast<char*>(nullptr));
     _exit(127);
   }
   int status = 0;
   if (child > 0) waitpid(child, &status, 0);
   if (child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0) return true;
-  std::cerr << kTool << ": no picture: python3 " << script
+  std::cerr << kTool << ": no picture: " << script
             << " failed (is python3-matplotlib installed?)\n";
   return false;
 }
