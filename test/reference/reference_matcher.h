@@ -61,7 +61,8 @@ Volume aggregate(const Volume& cost, const cv::Mat& image, const PathPlan& plan,
 /// within disp12_max_diff.
 cv::Mat select(const Volume& sums, const PathPlan& plan, const MatcherConfig& config);
 
-/// Removal of low contrast, of small regions, and 3x3 median, by config. left: the image of the disparities.
+/// Removal of low contrast, of small regions, and 3x3 median, by config. left: the image of the
+/// disparities.
 cv::Mat refine(const cv::Mat& disparity, const cv::Mat& left, const MatcherConfig& config);
 
 /// All stages.

@@ -11,9 +11,9 @@
 
 namespace adaptive_grid_stereo {
 
-/// Sets pixels of rows [first_row, last_row) to kInvalidDisparity where the grey levels of the left image
-/// vary too little to be matched: where their standard deviation within the census window (borders
-/// replicate the edge) is below min_contrast [grey levels]. Thread safe for disjoint rows.
+/// Sets pixels of rows [first_row, last_row) to kInvalidDisparity where the grey levels of the left
+/// image vary too little to be matched: where their standard deviation within the census window
+/// (borders replicate the edge) is below min_contrast [grey levels]. Thread safe for disjoint rows.
 void removeLowContrast(const PaddedImage& left, CensusWindow window, double min_contrast,
                        int first_row, int last_row, cv::Mat* disparity);
 
