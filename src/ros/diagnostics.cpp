@@ -183,6 +183,9 @@ void describeMotion(const NodeReport& report, DiagnosticStatusWrapper& status) {
   } else {
     status.summary(DiagnosticStatus::WARN, "uniform plan: " + motion.reason);
   }
+  if (!report.motion_inputs.warning.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN, report.motion_inputs.warning);
+  }
 }
 
 void describeScene(const NodeReport& report, DiagnosticStatusWrapper& status) {

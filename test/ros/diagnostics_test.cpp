@@ -124,6 +124,14 @@ TEST(Diagnostics, WarnOfUnknownMotion) {
   EXPECT_NE(status.message.find("odom is 2 s old"), std::string::npos) << status.message;
 }
 
+TEST(Diagnostics, WarnOfAxesThatContradictTheirDeclaration) {
+  NodeReport report = goodReport();
+  report.motion_inputs.warning = "imu: gravity points up in body_flu";
+  const auto status = statusOf(describeMotion, report);
+  EXPECT_EQ(status.level, DiagnosticStatus::WARN);
+  EXPECT_NE(status.message.find("gravity points up"), std::string::npos) << status.message;
+}
+
 TEST(Diagnostics, WarnOfAnEmptyScene) {
   NodeReport report = goodReport();
   for (FrameRecord& frame : report.frames) frame.density = 0.03;
