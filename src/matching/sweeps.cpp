@@ -52,8 +52,8 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
           : 0;
   const PathLayout layout = makeLayout(config.disparity_range);
   // Path costs beyond the range must be 255; a new layout puts them elsewhere.
-  const bool moved = layout.range != frame_.layout.range ||
-                     layout.padded_range != frame_.layout.padded_range;
+  const bool moved =
+      layout.range != frame_.layout.range || layout.padded_range != frame_.layout.padded_range;
   frame_.layout = layout;
   fillPenaltyTable(config, penalty_table_);
 
