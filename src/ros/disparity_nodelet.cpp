@@ -16,6 +16,7 @@
 #include "adaptive_grid_stereo/ros/mailbox.h"
 #include "adaptive_grid_stereo/ros/motion_subscriber.h"
 #include "adaptive_grid_stereo/ros/parameters.h"
+#include "adaptive_grid_stereo/ros/stamps.h"
 #include "adaptive_grid_stereo/ros/stereo_sync.h"
 #include "outputs.h"
 #include "sentence_throttle.h"
@@ -240,7 +241,7 @@ void DisparityNodelet::processFrame(const Frame& frame) {
   const std_msgs::Header& header = frame.pair.left->header;
   const Motion motion = motion_->waitForMotion(header.stamp, header.frame_id);
   FrameResult result = processor_->process(frame.pair, frame.geometry, motion, outputs_->wanted());
-  result.grid_state->latency = (ros::Time::now() - header.stamp).toSec();
+  result.grid_state->latency = secondsBetween(header.stamp, ros::Time::now());
   result.grid_state->frames_dropped =
       static_cast<std::uint32_t>(diagnostics_->lost() + out_of_order_);
   outputs_->publish(result);

@@ -5,6 +5,7 @@
 
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
 #include "adaptive_grid_stereo/ros/conversions.h"
+#include "adaptive_grid_stereo/ros/stamps.h"
 #include "rectified_projection.h"
 
 namespace adaptive_grid_stereo {
@@ -60,7 +61,8 @@ void checkImages(const StereoPair& pair, const InputLimits& limits, const InputT
            topics.left_image + " is " + size(pair.left->width, pair.left->height) + ", but " +
                topics.right_image + " is " + size(pair.right->width, pair.right->height) +
                "; set both cameras to one resolution");
-  const double difference = std::abs((pair.left->header.stamp - pair.right->header.stamp).toSec());
+  const double difference =
+      std::abs(secondsBetween(pair.left->header.stamp, pair.right->header.stamp));
   refuseIf(limits.max_stamp_difference > 0.0 && difference > limits.max_stamp_difference,
            InputFault::kStampDifference,
            "the stamps of " + topics.left_image + " and " + topics.right_image + " differ by " +
@@ -136,7 +138,8 @@ void addWarnings(const StereoPair& pair, const InputTopics& topics, InputVerdict
         " has the stamp 0; without stamps the motion cannot be looked up, so "
         "let the driver fill header.stamp");
   }
-  const double difference = std::abs((pair.left->header.stamp - pair.right->header.stamp).toSec());
+  const double difference =
+      std::abs(secondsBetween(pair.left->header.stamp, pair.right->header.stamp));
   if (difference > kOddStampDifference) {
     verdict.warnings.push_back("the stamps of " + topics.left_image + " and " + topics.right_image +
                                " differ by more than " + number(1e3 * kOddStampDifference) +

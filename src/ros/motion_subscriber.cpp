@@ -4,13 +4,15 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <map>
 #include <mutex>
 #include <utility>
 
-#include <tf2_ros/transform_listener.h>
+#include <tf2/buffer_core.h>
 
 #include "adaptive_grid_stereo/guidance/motion_estimator.h"
 #include "adaptive_grid_stereo/guidance/motion_history.h"
+#include "adaptive_grid_stereo/ros/stamps.h"
 #include "motion_messages.h"
 #include "mounting_lookup.h"
 
@@ -39,7 +41,9 @@ struct MotionSubscriber::Impl {
   void accept(Source source, const Message& message);
   template <typename Message>
   ros::Subscriber listen(ros::NodeHandle& nh, Source source);
+  ros::Subscriber listenToTransforms(ros::NodeHandle& nh, const std::string& topic, bool is_static);
   void acceptTransforms(const tf2_msgs::TFMessage& message, bool is_static);
+  void acceptTransform(const geometry_msgs::TransformStamped& transform, bool is_static);
   MotionConfig currentConfig() const {
     const std::lock_guard<std::mutex> lock(mutex);
     return config;
@@ -53,10 +57,10 @@ struct MotionSubscriber::Impl {
   std::string mounting = "not asked for yet";
   MotionHistory history;
   bool live = false;
+  std::map<std::string, ros::Time> newest_transform;  // by child frame
 
   MotionEstimator estimator;  // thread safe itself
   tf2::BufferCore tf;         // likewise
-  std::unique_ptr<tf2_ros::TransformListener> tf_listener;
   std::vector<ros::Subscriber> subscribers;
 };
 
@@ -98,15 +102,50 @@ ros::Subscriber MotionSubscriber::Impl::listen(ros::NodeHandle& nh, Source sourc
 
 void MotionSubscriber::Impl::acceptTransforms(const tf2_msgs::TFMessage& message, bool is_static) {
   for (geometry_msgs::TransformStamped transform : message.transforms) {
-    // setTransform refuses a NaN by itself and says so; an empty name would too.
     if (!transform.child_frame_id.empty() && transform.child_frame_id[0] == '/') {
       transform.child_frame_id.erase(0, 1);
     }
     if (!transform.header.frame_id.empty() && transform.header.frame_id[0] == '/') {
       transform.header.frame_id.erase(0, 1);
     }
-    tf.setTransform(transform, "bag", is_static);
+    acceptTransform(transform, is_static);
   }
+  arrived.notify_all();
+}
+
+void MotionSubscriber::Impl::acceptTransform(const geometry_msgs::TransformStamped& transform,
+                                             bool is_static) {
+  if (!is_static) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    ros::Time& newest = newest_transform[transform.child_frame_id];
+    // TF ignores what lies farther back than its cache reaches. After one stamp from the future, or
+    // when stamps start over, that would be everything.
+    if (secondsBetween(transform.header.stamp, newest) > kTfCache) {
+      tf.clear();
+      newest = ros::Time();
+    }
+    newest = std::max(newest, transform.header.stamp);
+  }
+  try {
+    // It refuses NaN and empty names by itself and says so.
+    tf.setTransform(transform, "tf", is_static);
+  } catch (const std::runtime_error&) {
+    // Stamps within kTfCache of the largest one there is.
+  }
+}
+
+ros::Subscriber MotionSubscriber::Impl::listenToTransforms(ros::NodeHandle& nh,
+                                                           const std::string& topic,
+                                                           bool is_static) {
+  // Not by tf2_ros::TransformListener, whose callback ends the process by such stamps.
+  constexpr std::uint32_t kQueue = 100;
+  return nh.subscribe<tf2_msgs::TFMessage>(
+      topic, kQueue,
+      boost::function<void(const tf2_msgs::TFMessageConstPtr&)>(
+          [this, is_static](const tf2_msgs::TFMessageConstPtr& message) {
+            acceptTransforms(*message, is_static);
+          }),
+      ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
 }
 
 MotionSubscriber::MotionSubscriber(const MotionConfig& config)
@@ -124,7 +163,8 @@ void MotionSubscriber::subscribe(ros::NodeHandle nh) {
   subscribers[kGpsVel] = impl_->listen<geometry_msgs::TwistStamped>(nh, kGpsVel);
   subscribers[kGpsFix] = impl_->listen<sensor_msgs::NavSatFix>(nh, kGpsFix);
   subscribers[kMag] = impl_->listen<sensor_msgs::MagneticField>(nh, kMag);
-  impl_->tf_listener = std::make_unique<tf2_ros::TransformListener>(impl_->tf);
+  subscribers.push_back(impl_->listenToTransforms(nh, "/tf", false));
+  subscribers.push_back(impl_->listenToTransforms(nh, "/tf_static", true));
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   for (int i = 0; i < kSources; ++i) impl_->status[i].topic = subscribers[i].getTopic();
   impl_->subscribers = std::move(subscribers);
@@ -140,7 +180,6 @@ void MotionSubscriber::unsubscribe() {
   }
   // Outside the lock, since shutting down waits for callbacks, which take it.
   for (ros::Subscriber& subscriber : subscribers) subscriber.shutdown();
-  impl_->tf_listener.reset();
 }
 
 void MotionSubscriber::setConfig(const MotionConfig& config) {
@@ -215,7 +254,7 @@ Motion MotionSubscriber::waitForMotion(const ros::Time& stamp,
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                       std::chrono::duration<double>(limit));
   while (!ready(stamp, left_optical_frame) && Clock::now() < end) {
-    // The time limit covers transforms, which arrive without a notification.
+    // The time limit covers what arrives between the question and the wait.
     std::unique_lock<std::mutex> lock(impl_->mutex);
     impl_->arrived.wait_until(lock, std::min(end, Clock::now() + std::chrono::milliseconds(2)));
   }
@@ -226,6 +265,7 @@ void MotionSubscriber::reset() {
   impl_->estimator.reset();
   impl_->tf.clear();
   const std::lock_guard<std::mutex> lock(impl_->mutex);
+  impl_->newest_transform.clear();
   impl_->history.reset();
 }
 

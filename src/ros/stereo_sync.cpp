@@ -10,6 +10,7 @@
 #include <message_filters/synchronizer.h>
 #include <ros/ros.h>
 
+#include "adaptive_grid_stereo/ros/stamps.h"
 #include "rate_meter.h"
 
 namespace adaptive_grid_stereo {
@@ -23,7 +24,8 @@ using ExactPolicy = message_filters::sync_policies::ExactTime<Image, Image, Came
 using ApproximatePolicy =
     message_filters::sync_policies::ApproximateTime<Image, Image, CameraInfo, CameraInfo>;
 
-/// So many late pairs in a row mean that the stamps started over by less than kJump.
+/// So many late pairs in a row mean that the stamps started over by less than
+/// StampWatch::kJump.
 constexpr int kLatePairsOfAJump = 5;
 
 double steadyNow() { return ros::SteadyTime::now().toSec(); }
@@ -38,7 +40,6 @@ struct Input {
   std::uint64_t received = 0;
   RateMeter meter;
   double last_arrival = 0.0;
-  ros::Time newest_stamp;
 };
 
 }  // namespace
@@ -135,23 +136,21 @@ struct StereoSync::Impl {
   /// The synchroniser is fed by hand, so that it can be replaced before a message goes in.
   template <int index, typename MessagePtr>
   void add(const MessagePtr& message) {
-    if (jumpedBack(index, message->header.stamp)) announceJump();
+    if (stampsJump(index, message->header.stamp)) announceJump();
     if (exact) exact->template add<index>(message);
     if (approximate) approximate->template add<index>(message);
   }
 
-  bool jumpedBack(int index, const ros::Time& stamp) {
+  bool stampsJump(int index, const ros::Time& stamp) {
     Input& input = inputs[index];
     ++input.received;
     input.last_arrival = steadyNow();
     input.meter.tick(input.last_arrival);
-    const bool jumped = (input.newest_stamp - stamp).toSec() > kJump;
+    const bool jumped = stamps.startsOver(index, stamp);
     if (jumped) {
-      for (Input& other : inputs) other.newest_stamp = ros::Time();
       startOver();
       ++clock_jumps;
     }
-    input.newest_stamp = std::max(input.newest_stamp, stamp);
     return jumped;
   }
 
@@ -172,16 +171,15 @@ struct StereoSync::Impl {
       last_pair = steadyNow();
       pair_meter.tick(last_pair);
       ++pairs;
-      max_stamp_difference =
-          std::max(max_stamp_difference, std::abs((stamp - right_image->header.stamp).toSec()));
+      max_stamp_difference = std::max(max_stamp_difference,
+                                      std::abs(secondsBetween(right_image->header.stamp, stamp)));
     }
     if (jumped) announceJump();
     on_pair(StereoPair{left_image, right_image, left_camera, right_camera});
   }
 
   void announceJump() {
-    ROS_INFO("%s: stamps jumped back; synchronisation and motion start over",
-             topics.left_image.c_str());
+    ROS_INFO("%s: stamps jumped; synchronisation and motion start over", topics.left_image.c_str());
     on_jump();
   }
 
@@ -220,7 +218,7 @@ struct StereoSync::Impl {
       input.received = inputs[i].received;
       input.rate = inputs[i].meter.rate(now);
       input.silence = now - inputs[i].last_arrival;
-      input.newest_stamp = inputs[i].newest_stamp.toSec();
+      input.newest_stamp = stamps.newest(i).toSec();
     }
     if (subscribed) {
       report.inputs[0].publishers = left.getNumPublishers();
@@ -267,6 +265,7 @@ struct StereoSync::Impl {
   std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact;
   std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate;
   std::array<Input, 4> inputs;
+  StampWatch stamps;
   ros::Time last_stamp;
   int late_pairs = 0;
   double last_pair = 0.0;

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "adaptive_grid_stereo/ros/input_check.h"
+#include "adaptive_grid_stereo/ros/stamps.h"
 #include "bag_check.h"
 #include "text_table.h"
 #include "threshold_tuning.h"
@@ -36,7 +37,7 @@ StereoContents readStereo(BagReader* bag, const BagTopics& topics) {
       (left ? contents.left : contents.right).push_back(stampOf(image->header));
       auto& kept = left ? contents.sample.left : contents.sample.right;
       if (!kept) kept = image;
-      if (left) contents.delays.push_back((message.time - image->header.stamp).toSec());
+      if (left) contents.delays.push_back(secondsBetween(image->header.stamp, message.time));
     } else if (topic == topics.left_info || topic == topics.right_info) {
       const auto info = deserialize<sensor_msgs::CameraInfo>(message);
       const bool left = topic == topics.left_info;

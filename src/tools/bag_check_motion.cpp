@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include "adaptive_grid_stereo/ros/stamps.h"
 #include "bag_check.h"
 #include "text_table.h"
 #include "threshold_tuning.h"
@@ -49,7 +50,7 @@ MotionContents readContents(BagReader* bag, const MotionTopics& topics, long* da
         if (m->orientation_covariance[0] != -1.0 && std::abs(q.norm() - 1.0) < 0.1) {
           line.orientation = q.normalized();
         }
-        contents.imu_delays.push_back((message.time - m->header.stamp).toSec());
+        contents.imu_delays.push_back(secondsBetween(m->header.stamp, message.time));
         if (line.rate.allFinite() && line.force.allFinite()) contents.imu.push_back(line);
       } else if (topic == topics.odom) {
         const auto m = deserialize<nav_msgs::Odometry>(message);

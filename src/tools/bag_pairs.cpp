@@ -1,14 +1,12 @@
 #include "bag_pairs.h"
 
-#include <algorithm>
-#include <array>
 #include <utility>
 
 #include <message_filters/sync_policies/approximate_time.h>
 #include <message_filters/sync_policies/exact_time.h>
 #include <message_filters/synchronizer.h>
 
-#include "adaptive_grid_stereo/ros/stereo_sync.h"
+#include "adaptive_grid_stereo/ros/stamps.h"
 
 namespace adaptive_grid_stereo {
 namespace {
@@ -21,7 +19,8 @@ using ApproximatePolicy =
 template <typename Message>
 using Event = ros::MessageEvent<const Message>;
 
-/// So many late pairs in a row mean that the stamps started over by less than StereoSync::kJump.
+/// So many late pairs in a row mean that the stamps started over by less than
+/// StampWatch::kJump.
 constexpr int kLatePairsOfAJump = 5;
 
 }  // namespace
@@ -36,12 +35,10 @@ struct BagPairs::Impl {
   template <int index, typename Message>
   void add(const boost::shared_ptr<const Message>& message, const ros::Time& recorded) {
     const ros::Time stamp = message->header.stamp;
-    if ((newest_stamp[index] - stamp).toSec() > StereoSync::kJump) {
-      newest_stamp.fill(ros::Time());
+    if (stamps.startsOver(index, stamp)) {
       startOver();
       on_jump();
     }
-    newest_stamp[index] = std::max(newest_stamp[index], stamp);
     const Event<Message> event(message, recorded);
     if (exact) exact->template add<index>(event);
     if (approximate) approximate->template add<index>(event);
@@ -89,7 +86,7 @@ struct BagPairs::Impl {
   std::function<void()> on_jump;
   std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact;
   std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate;
-  std::array<ros::Time, 4> newest_stamp;
+  StampWatch stamps;
   ros::Time last_stamp;
   int late_pairs = 0;
   long dropped = 0;

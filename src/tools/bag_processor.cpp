@@ -6,6 +6,7 @@
 
 #include "adaptive_grid_stereo/ros/input_check.h"
 #include "adaptive_grid_stereo/ros/motion_subscriber.h"
+#include "adaptive_grid_stereo/ros/stamps.h"
 #include "bag_pairs.h"
 #include "grid_state_csv.h"
 #include "raw_message.h"
@@ -45,7 +46,7 @@ class BagProcessor {
     BagMessage message;
     while (input_.next(&message)) {
       // Pairs first, so that the reading of a whole bag stays in the order of recording.
-      processUntil(message.time - ros::Duration(kLookAhead));
+      processUntil(message.time);
       copyThrough(message);
       try {
         take(message);
@@ -55,7 +56,7 @@ class BagProcessor {
       }
       progress(report_.left_images);
     }
-    processUntil(ros::TIME_MAX);
+    processAll();
     return report_;
   }
 
@@ -118,27 +119,36 @@ class BagProcessor {
   }
 
   void onJump() {
-    processUntil(ros::TIME_MAX);
+    processAll();
     motion_.reset();
     processor_.reset();
   }
 
-  void processUntil(const ros::Time& recorded) {
-    while (!pending_.empty() && pending_.front().recorded <= recorded) {
-      const RecordedPair pair = pending_.front();
-      pending_.pop_front();
-      std::string fault;
-      try {
-        fault = process(pair);
-      } catch (const rosbag::BagException&) {
-        throw;  // the output, not the pair
-      } catch (const std::exception& error) {
-        fault = std::string("a pair could not be processed: ") + error.what();
-      }
-      if (fault.empty()) continue;
-      ++report_.refused;
-      ++report_.reasons[fault];
+  /// Pairs that have waited long enough by the time at which the recording has arrived.
+  void processUntil(const ros::Time& now) {
+    while (!pending_.empty() && secondsBetween(pending_.front().recorded, now) >= kLookAhead) {
+      processNext();
     }
+  }
+
+  void processAll() {
+    while (!pending_.empty()) processNext();
+  }
+
+  void processNext() {
+    const RecordedPair pair = pending_.front();
+    pending_.pop_front();
+    std::string fault;
+    try {
+      fault = process(pair);
+    } catch (const rosbag::BagException&) {
+      throw;  // the output, not the pair
+    } catch (const std::exception& error) {
+      fault = std::string("a pair could not be processed: ") + error.what();
+    }
+    if (fault.empty()) return;
+    ++report_.refused;
+    ++report_.reasons[fault];
   }
 
   /// Why the pair was refused; empty if it was not.

@@ -16,6 +16,8 @@ namespace {
 
 /// Recorded time that passes before a stamp is asked for [s]: late samples have come by then.
 constexpr double kPatience = 0.5;
+/// Of a gap in the recording that is longer, only its end is asked for [s].
+constexpr double kLongestGap = 60.0;
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -162,6 +164,8 @@ long replayMotion(BagReader* bag, const MotionReplay& replay, MotionSubscriber* 
   const double step = 1.0 / replay.rate;
   double next = std::ceil(bag->beginTime().toSec() / step);
   const auto askUpTo = [&](double time) {
+    // In a long gap the motion is unknown, and a damaged recording time may lie years ahead.
+    if (time - next * step > kLongestGap) next = std::ceil((time - kLongestGap) / step);
     for (; next * step <= time; next += 1.0) {
       const ros::Time stamp(next * step);
       answer(next * step, subscriber->motionAt(stamp, replay.optical_frame));

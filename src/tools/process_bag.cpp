@@ -8,6 +8,7 @@
 
 #include <ros/console.h>
 
+#include "adaptive_grid_stereo/ros/stamps.h"
 #include "bag_processor.h"
 #include "command_line.h"
 #include "output_file.h"
@@ -175,7 +176,7 @@ std::function<bool(const std::string&)> passThrough(const Options& o, const BagJ
 }
 
 void printReport(const BagReport& report, const BagReader& input, double seconds) {
-  const double recorded = (input.endTime() - input.beginTime()).toSec();
+  const double recorded = secondsBetween(input.beginTime(), input.endTime());
   for (const auto& [reason, count] : report.reasons) {
     std::cerr << kTool << ": " << count << " times: " << reason << '\n';
   }

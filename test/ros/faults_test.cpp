@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include <gtest/gtest.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include "adaptive_grid_stereo/GridState.h"
 #include "support/node_probe.h"
@@ -37,6 +38,16 @@ class Faults : public testing::Test {
     EXPECT_TRUE(grid_state_.waitForStamp(stamp));
   }
   void expectServed() { expectServed(nextStamp()); }
+
+  /// Where the synchronisation starts over in the middle of a pair, one of the next pairs.
+  void expectServedSoon() {
+    for (int i = 0; i < 10; ++i) {
+      const ros::Time stamp = nextStamp();
+      aircraft_.publish(makePair(SyntheticRig(), 6, stamp));
+      if (disparity_.waitForStamp(stamp, 0.5)) return;
+    }
+    ADD_FAILURE() << "none of the good pairs up to " << stamps() << " was served";
+  }
 
   ros::NodeHandle handle_;
   FakeAircraft aircraft_{handle_, "/stereo"};
@@ -105,6 +116,38 @@ TEST_F(Faults, OneStampFarInTheFuture) {
   aircraft_.left.publish(pair.left);
   // The first pair after it finds the synchronisation restarted in its middle, the second is whole.
   aircraft_.publish(makePair(SyntheticRig(), 6, nextStamp()));
+  expectServed();
+}
+
+TEST_F(Faults, StampsFartherApartThanRosDurationsReach) {
+  // 4294967295 s, e.g. of a driver that fills a field with ones.
+  const ros::Time damaged = ros::TIME_MAX;
+  const StereoPair pair = makePair(SyntheticRig(), 6, damaged);
+  expectServed();
+  aircraft_.left.publish(pair.left);
+  expectServedSoon();
+  aircraft_.right_info.publish(pair.right_info);
+  expectServedSoon();
+  aircraft_.publish(pair);
+  expectServedSoon();
+  aircraft_.publishOdometry(damaged, 10.0, 0.0);
+  aircraft_.publishImu(damaged, 0.0);
+  expectServed();
+}
+
+TEST_F(Faults, TransformsWithStampsAtTheEndOfTime) {
+  ros::Publisher tf = handle_.advertise<tf2_msgs::TFMessage>("/tf", 10);
+  ASSERT_TRUE(waitUntil([&] { return tf.getNumSubscribers() > 0; }));
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  message.transforms[0].header.frame_id = "base_link";
+  message.transforms[0].child_frame_id =
+      "turret";  // not the camera, which has no TF in these tests
+  message.transforms[0].transform.rotation.w = 1.0;
+  for (const ros::Time& stamp : {ros::TIME_MAX, ros::TIME_MAX, nextStamp(), ros::TIME_MAX}) {
+    message.transforms[0].header.stamp = stamp;
+    tf.publish(message);
+  }
   expectServed();
 }
 

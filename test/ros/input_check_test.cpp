@@ -207,6 +207,15 @@ TEST(InputCheck, RefusesStampsTooFarApartWhereThereIsALimit) {
                 {"30 ms", "20 ms", "approximate_sync_max_interval"});
 }
 
+TEST(InputCheck, RefusesStampsFartherApartThanRosDurationsReach) {
+  Messages messages;
+  messages.left.header.stamp = ros::TIME_MAX;
+  EXPECT_EQ(messages.check().warnings.size(), 1U);
+  InputLimits limits;
+  limits.max_stamp_difference = 0.02;
+  expectRefused(messages.check(limits), InputFault::kStampDifference, {"ms"});
+}
+
 TEST(InputCheck, MentionsOddities) {
   Messages frames;
   frames.right.header.frame_id = "right_optical";

@@ -193,6 +193,17 @@ TEST_F(MotionSubscriberTest, ResetForgetsSamples) {
   EXPECT_TRUE(at(10.5).valid);
 }
 
+TEST_F(MotionSubscriberTest, TransformsAreUsedAgainAfterStampsFromTheFuture) {
+  for (const double future : {1000.0, 2e9, 4294967295.0}) {
+    subscriber_.add(mounting(future, 0.0), false);
+    subscriber_.add(mounting(future, 0.0), false);
+    for (int i = 0; i <= 10; ++i) subscriber_.add(mounting(11.0 + 0.1 * i, 0.0), false);
+    fly(10.0, 12.0);
+    EXPECT_TRUE(at(11.5, "optical").valid) << future;
+    EXPECT_EQ(subscriber_.status().mounting, "tf") << future;
+  }
+}
+
 TEST_F(MotionSubscriberTest, BadTransformsAreSurvived) {
   fly(10.0, 12.0);
   tf2_msgs::TFMessage nonsense = mounting(10.0, 0.0);

@@ -66,8 +66,6 @@ class StereoSync {
   using PairCallback = std::function<void(const StereoPair&)>;
   /// Seconds of silence before advice is given.
   static constexpr double kPatience = 5.0;
-  /// A step back of the stamps by more than this is a jump [s].
-  static constexpr double kJump = 0.5;
 
   /// on_pair: every pair, stamps increasing; on_jump: stamps start over, before the next pair.
   StereoSync(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
