@@ -115,7 +115,8 @@ boost::shared_ptr<Type> deserialize(const BagMessage& message) {
   }
   const auto result = boost::make_shared<Type>();
   try {
-    checkArrayLengths(connection.datatype, message.data, message.size);
+    // By the type asked for: the bag may name another one of equal layout, e.g. tf/tfMessage.
+    checkArrayLengths(ros::message_traits::datatype<Type>(), message.data, message.size);
     // The stream only reads, but takes no pointer to const.
     ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.data), message.size);
     ros::serialization::deserialize(stream, *result);

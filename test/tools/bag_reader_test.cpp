@@ -7,6 +7,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <std_msgs/String.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include "raw_message.h"
 #include "temporary_folder.h"
@@ -177,6 +178,24 @@ TEST(BagReader, ArraysThatClaimTooMuchAreRefusedBeforeMemoryIsTaken) {
   EXPECT_THROW(checkArrayLengths("sensor_msgs/CameraInfo", info_bytes.data(),
                                  static_cast<std::uint32_t>(info_bytes.size())),
                std::runtime_error);
+}
+
+TEST(BagReader, ArraysAreCheckedUnderOtherNamesOfAType) {
+  // Bags of older systems hold tf/tfMessage, which has the layout and the md5sum of
+  // tf2_msgs/TFMessage.
+  BagConnection connection;
+  connection.topic = "/tf";
+  connection.datatype = "tf/tfMessage";
+  connection.md5sum = ros::message_traits::md5sum<tf2_msgs::TFMessage>();
+  std::vector<std::uint8_t> bytes(4, 0xff);
+  BagMessage message;
+  message.connection = &connection;
+  message.data = bytes.data();
+  message.size = 4;
+  EXPECT_NE(messageOf([&] { deserialize<tf2_msgs::TFMessage>(message); }).find("claims"),
+            std::string::npos);
+  bytes.assign(4, 0);
+  EXPECT_TRUE(deserialize<tf2_msgs::TFMessage>(message)->transforms.empty());
 }
 
 TEST(BagReader, MessagesAreCopiedUnchanged) {
