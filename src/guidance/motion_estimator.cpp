@@ -200,8 +200,12 @@ Motion MotionEstimator::estimate(double stamp, const MountingLookup& mounting) c
     return motion;
   }
   if (impl_->speedAt(time, &motion) && impl_->ratesAt(time, stamp, mounting, &motion)) {
-    motion.valid = true;
-    return motion;
+    // Finite samples can be so large that what is computed from them is not.
+    motion.valid = std::isfinite(motion.forward_speed) && std::isfinite(motion.yaw_rate) &&
+                   std::isfinite(motion.pitch_rate);
+    if (motion.valid) return motion;
+    motion.reason =
+        "speed or rates are beyond all numbers: " + motion.speed_source + ", " + motion.rate_source;
   }
   Motion none;
   none.reason = motion.reason;

@@ -209,6 +209,22 @@ TEST(MotionEstimatorTest, RefusesWhatIsNoNumber) {
   EXPECT_FALSE(at(estimator, std::nan("")).valid);
 }
 
+TEST(MotionEstimatorTest, NumbersBeyondAllNumbersAreNoMotion) {
+  // Finite by themselves; the square root of the sum of their squares is not.
+  MotionConfig config;
+  config.velocity_axes = VelocityAxes::kEnu;
+  MotionEstimator estimator{config};
+  OdometrySample sample = odometry(1.0, 1e308, 0.1);
+  sample.orientation.reset();
+  sample.velocity.y() = 1e308;
+  EXPECT_TRUE(estimator.add(sample));
+  const Motion motion = at(estimator, 1.0);
+  EXPECT_FALSE(motion.valid);
+  EXPECT_EQ(motion.forward_speed, 0.0);
+  EXPECT_NE(motion.reason.find("beyond"), std::string::npos) << motion.reason;
+  EXPECT_TRUE(estimator.add(odometry(1.1, 5.0, 0.1)));
+}
+
 TEST(MotionEstimatorTest, ResetForgets) {
   MotionEstimator estimator{MotionConfig()};
   estimator.add(odometry(1.0, 5.0, 0.1));
