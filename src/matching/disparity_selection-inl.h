@@ -17,33 +17,29 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
-// The sums of a pixel lie in blocks of as many disparities as a vector has bytes: first those of
-// the even disparities of the block, then those of the odd ones. This is where the sum of index k
-// stands.
-HWY_INLINE int PlaceOfSum(int k) {
-  const int lanes = static_cast<int>(hn::Lanes(D8()));
-  return (k & ~(lanes - 1)) + (k & 1) * (lanes / 2) + (k & (lanes - 1)) / 2;
+// Between the sums of a pixel's even disparities and those of the odd ones: no sums, so that the
+// neighbours of the first and the last disparity are none.
+constexpr int kSumGap = 32;
+
+// The sums of a pixel: those of its even disparities, the gap, those of the odd ones. Neighbours of
+// either kind stand side by side among the other.
+constexpr int sumsSize(int padded_range) { return padded_range + kSumGap; }
+HWY_INLINE std::uint16_t* OddSums(std::uint16_t* sums, int padded_range) {
+  return sums + padded_range / 2 + kSumGap;
+}
+HWY_INLINE void ClearGap(std::uint16_t* sums, int padded_range) {
+  std::fill_n(sums + padded_range / 2, kSumGap, kNoSum);
 }
 
-// Finds the first smallest sum while they pass.
+// The smallest sum of each lane, while blocks of as many disparities as a vector has bytes pass.
 //
 // Sums of 16 paths stay below 4096, so four bits are free for the number of the block: one minimum
 // per lane then finds both. A sum of kNoSum loses against every other.
-struct WinnerSearch {
-  V16 even, odd;
-};
-
 constexpr int kSearchBlocks = 16;
 
-HWY_INLINE WinnerSearch StartSearch() {
-  const V16 none = hn::Set(D16(), std::uint16_t{0xFFFF});
-  return {none, none};
-}
-
-HWY_INLINE void AddToSearch(const ByteSums& sums, int block, WinnerSearch* search) {
+HWY_INLINE V16 SearchKeys(const ByteSums& sums, int block) {
   const V16 number = hn::Set(D16(), static_cast<std::uint16_t>(block));
-  search->even = hn::Min(search->even, hn::Or(hn::ShiftLeft<4>(sums.even), number));
-  search->odd = hn::Min(search->odd, hn::Or(hn::ShiftLeft<4>(sums.odd), number));
+  return hn::Or(hn::ShiftLeft<4>(hn::Min(sums.even, sums.odd)), number);
 }
 
 // Minimum over the blocks of 8 sums.
@@ -58,16 +54,28 @@ HWY_INLINE auto FoldSums(V16 v) {
 #endif
 }
 
-// The winning index among the searched sums, which lie at `sums`; tells its sum.
-HWY_INLINE int EndSearch(const WinnerSearch& search, const std::uint16_t* sums, int* sum) {
+// Smallest key of each of four vectors: 16 bits each, the first one lowest.
+HWY_INLINE std::uint64_t SmallestKeys(V16 a, V16 b, V16 c, V16 e) {
   const D16 d;
+  const hn::Repartition<std::uint32_t, D16> d32;
+  const auto merge16 = [&](V16 v, V16 w) AGS_LAMBDA {
+    return hn::Min(hn::InterleaveLower(d, v, w), hn::InterleaveUpper(d, v, w));
+  };
+  const auto ab = hn::BitCast(d32, merge16(a, b)), ce = hn::BitCast(d32, merge16(c, e));
+  const V16 all = hn::Min(hn::BitCast(d, hn::InterleaveLower(d32, ab, ce)),
+                          hn::BitCast(d, hn::InterleaveUpper(d32, ab, ce)));
   const hn::Full128<std::uint16_t> d128;
-  const V16 keys = hn::Min(search.even, search.odd);
-  const std::uint16_t key = hn::GetLane(hn::MinOfLanes(d128, FoldSums(keys)));
+  auto block = FoldSums(all);
+  block = hn::Min(block, hn::ShiftRightBytes<8>(d128, block));
+  return hn::GetLane(hn::BitCast(hn::Full128<std::uint64_t>(), block));
+}
+
+// The winning index by the smallest key and the keys it is among; `sums` are those it was made of.
+HWY_INLINE int IndexOfKey(std::uint16_t key, V16 keys, const std::uint16_t* sums) {
+  const D16 d;
   const int lane = static_cast<int>(hn::FindKnownFirstTrue(d, hn::Eq(keys, hn::Set(d, key))));
-  const int block = (key & 15) * static_cast<int>(hn::Lanes(D8()));
-  *sum = key >> 4;
-  return block + 2 * lane + (sums[block + lane] != *sum);
+  const int place = (key & 15) * static_cast<int>(hn::Lanes(d)) + lane;
+  return 2 * place + (sums[place] != key >> 4);
 }
 
 // Indices of the even disparities of a block; the odd ones are one larger.
@@ -91,35 +99,33 @@ HWY_INLINE void DropSumsBeyond(int range, int at, ByteSums* sums) {
 
 // The winner among the candidates [begin, end) of any number of sums in memory; the other sums
 // become kNoSum.
-HWY_INLINE int SearchCandidates(std::uint16_t* sums, int count, int begin, int end) {
+HWY_INLINE int SearchCandidates(std::uint16_t* sums, int padded_range, int begin, int end) {
   const D16 d;
   const int lanes = static_cast<int>(hn::Lanes(D8()));
+  std::uint16_t* odd_sums = OddSums(sums, padded_range);
   const V16 first = hn::Set(d, static_cast<std::uint16_t>(begin));
   const V16 last = hn::Set(d, static_cast<std::uint16_t>(end - 1));
   const V16 none = hn::Set(d, kNoSum);
   const V16 one = hn::Set(d, std::uint16_t{1});
-  // kNoSum would lose its upper bits.
-  const V16 most = hn::Set(d, std::uint16_t{0x0FFF});
   const auto keep = [&](V16 sum, V16 index) AGS_LAMBDA {
     return hn::IfThenElse(hn::Eq(hn::Min(hn::Max(index, first), last), index), sum, none);
   };
   int best = 0, best_sum = 0x10000;
-  for (int group = 0; group < count; group += kSearchBlocks * lanes) {
-    WinnerSearch search = StartSearch();
-    for (int block = 0; block < kSearchBlocks && group + block * lanes < count; ++block) {
+  for (int group = 0; group < padded_range; group += kSearchBlocks * lanes) {
+    V16 keys = none;
+    for (int block = 0; block < kSearchBlocks && group + block * lanes < padded_range; ++block) {
       const int at = group + block * lanes;
       const V16 index = EvenIndices(at);
-      const V16 even = keep(hn::Load(d, sums + at), index);
-      const V16 odd = keep(hn::Load(d, sums + at + lanes / 2), hn::Add(index, one));
-      hn::Store(even, d, sums + at);
-      hn::Store(odd, d, sums + at + lanes / 2);
-      AddToSearch({hn::Min(even, most), hn::Min(odd, most)}, block, &search);
+      const V16 even = keep(hn::Load(d, sums + at / 2), index);
+      const V16 odd = keep(hn::Load(d, odd_sums + at / 2), hn::Add(index, one));
+      hn::Store(even, d, sums + at / 2);
+      hn::Store(odd, d, odd_sums + at / 2);
+      keys = hn::Min(keys, SearchKeys({even, odd}, block));
     }
-    int sum = 0;
-    const int winner = group + EndSearch(search, sums + group, &sum);
-    if (sum < best_sum) {
-      best_sum = sum;
-      best = winner;
+    const std::uint16_t key = static_cast<std::uint16_t>(SmallestKeys(keys, keys, keys, keys));
+    if (key >> 4 < best_sum) {
+      best_sum = key >> 4;
+      best = group + IndexOfKey(key, keys, sums + group / 2);
     }
   }
   return best;
@@ -127,32 +133,39 @@ HWY_INLINE int SearchCandidates(std::uint16_t* sums, int count, int begin, int e
 
 // Whether a sum other than the winner's and its neighbours' is below the threshold. Overwrites
 // those three.
-HWY_INLINE bool HasRival(std::uint16_t* sums, int count, int winner, std::uint32_t threshold) {
+HWY_INLINE bool HasRival(std::uint16_t* sums, int padded_range, int winner,
+                         std::uint32_t threshold) {
   const D16 d;
-  for (int k = std::max(0, winner - 1); k <= std::min(count - 1, winner + 1); ++k) {
-    sums[PlaceOfSum(k)] = kNoSum;
+  std::uint16_t* odd_sums = OddSums(sums, padded_range);
+  for (int k = std::max(0, winner - 1); k <= std::min(padded_range - 1, winner + 1); ++k) {
+    (k % 2 == 0 ? sums : odd_sums)[k / 2] = kNoSum;
   }
   const V16 limit =
       hn::Set(d, static_cast<std::uint16_t>(std::min<std::uint32_t>(threshold, 0xFFFF)));
   V16 below = hn::Zero(d);
-  for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
-    below = hn::Or(below, hn::SaturatedSub(limit, hn::Load(d, sums + k)));
+  for (int at = 0; at < padded_range / 2; at += static_cast<int>(hn::Lanes(d))) {
+    below = hn::Or(below, hn::Or(hn::SaturatedSub(limit, hn::Load(d, sums + at)),
+                                 hn::SaturatedSub(limit, hn::Load(d, odd_sums + at))));
   }
   return !hn::AllTrue(d, hn::Eq(below, hn::Zero(d)));
 }
 
-// The winner with its neighbours among the candidates [begin, end).
-HWY_INLINE Winner MakeWinner(const SweepFrame& frame, std::uint16_t* sums, int count, int index,
-                             int sum, int begin, int end) {
+// The winner with its neighbours; sums that are no candidate's must be kNoSum.
+HWY_INLINE Winner MakeWinner(const SweepFrame& frame, std::uint16_t* sums, int padded_range,
+                             int index, int sum) {
+  // Among the odd ones if the index is even, and the other way round: as likely as not, hence no
+  // branch.
+  const int to_odd = static_cast<int>(OddSums(sums, padded_range) - sums) - 1;
+  const std::uint16_t* before = sums + index / 2 + (to_odd & (index % 2 - 1));
   Winner winner;
   winner.index = static_cast<std::uint16_t>(index);
   winner.sum = static_cast<std::uint16_t>(sum);
-  winner.before = index > begin ? sums[PlaceOfSum(index - 1)] : kNoSum;
-  winner.after = index + 1 < end ? sums[PlaceOfSum(index + 1)] : kNoSum;
+  winner.before = before[0];
+  winner.after = before[1];
   if (frame.uniqueness_factor > 0) {
     const std::uint32_t threshold =
         static_cast<std::uint32_t>(sum) * static_cast<std::uint32_t>(frame.uniqueness_factor) >> 12;
-    if (HasRival(sums, count, index, threshold)) winner.index |= kNotUnique;
+    if (HasRival(sums, padded_range, index, threshold)) winner.index |= kNotUnique;
   }
   return winner;
 }
@@ -165,8 +178,9 @@ HWY_INLINE Winner SelectAmongCandidates(const SweepFrame& frame, std::uint16_t* 
   const int begin = std::clamp(column - (frame.width - 1), 0, layout.range);
   const int end = std::clamp(column + 1, begin, layout.range);
   if (begin >= end) return {kNoWinner, kNoSum, kNoSum, kNoSum};
-  const int winner = SearchCandidates(sums, layout.padded_range, begin, end);
-  return MakeWinner(frame, sums, layout.padded_range, winner, sums[PlaceOfSum(winner)], begin, end);
+  const int index = SearchCandidates(sums, layout.padded_range, begin, end);
+  const std::uint16_t* of_parity = index % 2 == 0 ? sums : OddSums(sums, layout.padded_range);
+  return MakeWinner(frame, sums, layout.padded_range, index, of_parity[index / 2]);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -5,12 +5,15 @@
 
 namespace adaptive_grid_stereo {
 
-void PaddedImage::assign(const cv::Mat& image, bool mirrored) {
+void PaddedImage::reserve(const cv::Mat& image) {
   width_ = image.cols;
   height_ = image.rows;
   stride_ = (static_cast<std::size_t>(width_) + 63) / 64 * 64 + 2 * kImageMargin;
   pixels_.resize(stride_ * height_);
-  for (int y = 0; y < height_; ++y) {
+}
+
+void PaddedImage::copyRows(const cv::Mat& image, bool mirrored, int first_row, int last_row) {
+  for (int y = first_row; y < last_row; ++y) {
     const std::uint8_t* source = image.ptr<std::uint8_t>(y);
     std::uint8_t* target = pixels_.data() + static_cast<std::size_t>(y) * stride_;
     std::uint8_t* pixels = target + kImageMargin;
@@ -22,6 +25,11 @@ void PaddedImage::assign(const cv::Mat& image, bool mirrored) {
     std::memset(target, pixels[0], kImageMargin);
     std::memset(pixels + width_, pixels[width_ - 1], stride_ - kImageMargin - width_);
   }
+}
+
+void PaddedImage::assign(const cv::Mat& image, bool mirrored) {
+  reserve(image);
+  copyRows(image, mirrored, 0, image.rows);
 }
 
 }  // namespace adaptive_grid_stereo

@@ -20,8 +20,13 @@ using D16 = hn::Repartition<std::uint16_t, D8>;
 using V8 = hn::Vec<D8>;
 using V16 = hn::Vec<D16>;
 
+// Constructors, because Arm's vectors have one that must be inlined, which only functions with the
+// target's attributes can do.
+
 // Sums of bytes in 16 bits, of the even and of the odd disparities apart.
 struct ByteSums {
+  HWY_ATTR ByteSums() {}
+  HWY_ATTR ByteSums(V16 even_sums, V16 odd_sums) : even(even_sums), odd(odd_sums) {}
   V16 even, odd;
 };
 
@@ -76,25 +81,66 @@ HWY_INLINE Path MakePath(D8 d, const SweepRow& row, int u, std::uint8_t* pixel, 
   return {predecessor + block, pixel + block, smallest, hn::Add(smallest, penalty)};
 }
 
-// Whether a vector of disparities begins or ends the range.
-struct RangeEnds {
-  bool first, last;
+// The path costs of a vector of disparities at the predecessor, and those one disparity below and
+// above.
+struct Neighbours {
+  HWY_ATTR Neighbours() {}
+  HWY_ATTR Neighbours(V8 at_disparity, V8 one_below, V8 one_above)
+      : here(at_disparity), below(one_below), above(one_above) {}
+  V8 here, below, above;
 };
 
-// Eq. 6 without the matching cost: min(L(d), L(d +- 1) + P1, min L + P2) - min L, at most P2.
-HWY_INLINE V8 Transition(D8 d, const Path& path, int k, const RangeEnds& ends, V8 penalty_small) {
-  // 255 stands for the cost beyond either end of the range, where other bytes lie in memory.
+// Beyond either end of the range stands 255, where other bytes lie in memory.
+HWY_INLINE Neighbours LoadNeighbours(D8 d, const Path& path, int k, int padded_range) {
   alignas(64) static constexpr std::uint8_t kBelow[kMaxLanes] = {255};
   alignas(64) static constexpr std::uint8_t kAbove[2 * kMaxLanes] = {
       0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  0, 0,
       0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  0, 0,
       0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255};
   const std::uint8_t* from = path.from + k;
+  const int lanes = static_cast<int>(hn::Lanes(d));
   V8 below = hn::LoadU(d, from - 1), above = hn::LoadU(d, from + 1);
-  if (ends.first) below = hn::Or(below, hn::Load(d, kBelow));
-  if (ends.last) above = hn::Or(above, hn::Load(d, kAbove + kMaxLanes - hn::Lanes(d)));
-  const V8 stepped = hn::SaturatedAdd(hn::Min(below, above), penalty_small);
-  return hn::Sub(hn::Min(hn::Min(hn::Load(d, from), path.limit), stepped), path.smallest);
+  if (k == 0) below = hn::Or(below, hn::Load(d, kBelow));
+  if (k + lanes == padded_range) above = hn::Or(above, hn::Load(d, kAbove + kMaxLanes - lanes));
+  return {hn::Load(d, from), below, above};
+}
+
+#if HWY_TARGET == HWY_AVX3_DL
+// The same for all kVectors vectors of a range. Vectors as wide as cache lines make every load that
+// is not aligned touch two of them, so bytes are moved between registers instead.
+constexpr bool kMovesBytes = true;
+template <int kVectors>
+HWY_INLINE void LoadAllNeighbours(D8 d, const Path& path, Neighbours* all) {
+  alignas(64) static constexpr std::uint8_t kOneBelow[64] = {
+      63,  64,  65,  66,  67,  68,  69,  70,  71,  72,  73,  74,  75,  76,  77,  78,
+      79,  80,  81,  82,  83,  84,  85,  86,  87,  88,  89,  90,  91,  92,  93,  94,
+      95,  96,  97,  98,  99,  100, 101, 102, 103, 104, 105, 106, 107, 108, 109, 110,
+      111, 112, 113, 114, 115, 116, 117, 118, 119, 120, 121, 122, 123, 124, 125, 126};
+  alignas(64) static constexpr std::uint8_t kOneAbove[64] = {
+      1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22,
+      23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44,
+      45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64};
+  const V8 one_below = hn::Load(d, kOneBelow), one_above = hn::Load(d, kOneAbove);
+  const V8 beyond = hn::Set(d, std::uint8_t{255});
+  const auto pick = [](V8 low, V8 index, V8 high) AGS_LAMBDA {
+    return V8{_mm512_permutex2var_epi8(low.raw, index.raw, high.raw)};
+  };
+  for (int i = 0; i < kVectors; ++i) all[i].here = hn::Load(d, path.from + i * 64);
+  for (int i = 0; i < kVectors; ++i) {
+    all[i].below = pick(i == 0 ? beyond : all[i - 1].here, one_below, all[i].here);
+    all[i].above = pick(all[i].here, one_above, i + 1 == kVectors ? beyond : all[i + 1].here);
+  }
+}
+#else
+constexpr bool kMovesBytes = false;
+template <int kVectors>
+HWY_INLINE void LoadAllNeighbours(D8, const Path&, Neighbours*) {}
+#endif
+
+// Eq. 6 without the matching cost: min(L(d), L(d +- 1) + P1, min L + P2) - min L, at most P2.
+HWY_INLINE V8 Transition(const Path& path, const Neighbours& costs, V8 penalty_small) {
+  const V8 stepped = hn::SaturatedAdd(hn::Min(costs.below, costs.above), penalty_small);
+  return hn::Sub(hn::Min(hn::Min(costs.here, path.limit), stepped), path.smallest);
 }
 
 // Minimum over the blocks of 16 bytes.
@@ -109,23 +155,23 @@ HWY_INLINE auto FoldToBlock(V8 v) {
 #endif
 }
 
-// Smallest lane of each of 2, 4 or 8 vectors, to as many bytes at `smallest` (8 bytes are written).
-template <int kDirections>
-HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* smallest) {
+// Smallest lane of each of 2, 4 or 8 vectors: one byte each, the first one lowest.
+template <int kCount>
+HWY_INLINE std::uint64_t SmallestLanes(D8 d, const V8* v) {
   const hn::Repartition<std::uint32_t, D8> d32;
   const D16 d16;
   const auto merge8 = [&](V8 a, V8 b) AGS_LAMBDA {
     return hn::Min(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
   };
   V8 all = merge8(v[0], v[1]);
-  if (kDirections > 2) {
+  if constexpr (kCount > 2) {
     const auto merge16 = [&](V8 a, V8 b) AGS_LAMBDA {
       const V16 a16 = hn::BitCast(d16, a), b16 = hn::BitCast(d16, b);
       return hn::Min(hn::BitCast(d, hn::InterleaveLower(d16, a16, b16)),
                      hn::BitCast(d, hn::InterleaveUpper(d16, a16, b16)));
     };
     all = merge16(all, merge8(v[2], v[3]));
-    if (kDirections > 4) {
+    if constexpr (kCount > 4) {
       const auto rest = merge16(merge8(v[4], v[5]), merge8(v[6], v[7]));
       const auto a32 = hn::BitCast(d32, all), b32 = hn::BitCast(d32, rest);
       all = hn::Min(hn::BitCast(d, hn::InterleaveLower(d32, a32, b32)),
@@ -135,14 +181,15 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* smallest) {
   auto block = FoldToBlock(all);
   const hn::Full128<std::uint8_t> d128;
   block = hn::Min(block, hn::ShiftRightBytes<8>(d128, block));
-  if (kDirections < 8) block = hn::Min(block, hn::ShiftRightBytes<4>(d128, block));
-  if (kDirections < 4) block = hn::Min(block, hn::ShiftRightBytes<2>(d128, block));
-  hn::Store(hn::LowerHalf(block), hn::Half<decltype(d128)>(), smallest);
+  if (kCount < 8) block = hn::Min(block, hn::ShiftRightBytes<4>(d128, block));
+  if (kCount < 4) block = hn::Min(block, hn::ShiftRightBytes<2>(d128, block));
+  return hn::GetLane(hn::BitCast(hn::Full128<std::uint64_t>(), block));
 }
 
 // The path costs of `kVectors` vectors of disparities from index k on, for all directions; returns
-// the sums of the transitions (the matching cost is added later, once for all directions).
-template <int kDirections, int kVectors>
+// the sums of the transitions (the matching cost is added later, once for all directions). kPadded:
+// the padded range where it is known at compile time, else 0.
+template <int kDirections, int kVectors, int kPadded>
 HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel, int padded_range,
                                  const V8* cost, int k, V8 penalty_small, V8* smallest,
                                  ByteSums* sums) {
@@ -153,17 +200,26 @@ HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel
     constexpr int kA = 2 * decltype(pair_of)::value, kB = kA + 1;
     const Path path_a = MakePath<kA>(d, row, u, pixel, padded_range);
     const Path path_b = MakePath<kB>(d, row, u, pixel, padded_range);
+    constexpr bool kWhole = kMovesBytes && kPadded == kVectors * 64;
+    Neighbours all_a[kVectors], all_b[kVectors];
+    if constexpr (kWhole) {
+      LoadAllNeighbours<kVectors>(d, path_a, all_a);
+      LoadAllNeighbours<kVectors>(d, path_b, all_b);
+    }
     Repeat<kVectors>([&](auto vector) AGS_LAMBDA {
       constexpr int i = decltype(vector)::value;
       const int at = k + i * lanes;
-      const RangeEnds ends = {at == 0, at + lanes == padded_range};
-      const V8 a = Transition(d, path_a, at, ends, penalty_small);
-      const V8 b = Transition(d, path_b, at, ends, penalty_small);
+      if constexpr (!kWhole) {
+        all_a[i] = LoadNeighbours(d, path_a, at, padded_range);
+        all_b[i] = LoadNeighbours(d, path_b, at, padded_range);
+      }
+      const V8 a = Transition(path_a, all_a[i], penalty_small);
+      const V8 b = Transition(path_b, all_b[i], penalty_small);
       const V8 cost_a = hn::SaturatedAdd(a, cost[i]), cost_b = hn::SaturatedAdd(b, cost[i]);
       hn::Store(cost_a, d, path_a.to + at);
       hn::Store(cost_b, d, path_b.to + at);
-      smallest[kA] = ends.first ? cost_a : hn::Min(smallest[kA], cost_a);
-      smallest[kB] = ends.first ? cost_b : hn::Min(smallest[kB], cost_b);
+      smallest[kA] = at == 0 ? cost_a : hn::Min(smallest[kA], cost_a);
+      smallest[kB] = at == 0 ? cost_b : hn::Min(smallest[kB], cost_b);
       // Two transitions fit a byte. Their sums: `even` gathers even + 256 * odd modulo 65536.
       const V16 pair = hn::BitCast(d16, hn::Add(a, b));
       const V16 high = hn::ShiftRight<8>(pair);

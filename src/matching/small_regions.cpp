@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 
 #include "adaptive_grid_stereo/matching/refinement.h"
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
@@ -7,79 +8,83 @@
 namespace adaptive_grid_stereo {
 namespace {
 
-// Regions are made of runs: neighbours in a row whose values differ by little enough. Runs of
-// adjacent rows are joined by union-find, where the root has the region's size.
+// Regions are made of runs; those of adjacent rows are joined by union-find.
 class Regions {
  public:
+  using Run = RegionBuffers::Run;
+
   Regions(RegionBuffers* buffers, int max_step) : b_(*buffers), max_step_(max_step) {
-    b_.parent.clear();
-    b_.size.clear();
-    b_.run_begin.clear();
-    b_.row_begin.clear();
+    b_.runs.clear();
+    b_.row_begin.assign(1, 0);
   }
 
-  void addRow(const std::int16_t* values, int width, std::int32_t* run_of_pixel) {
-    b_.row_begin.push_back(static_cast<std::int32_t>(b_.run_begin.size()));
-    std::int32_t run = -1;
-    int begin = 0;
-    int previous = kInvalidDisparity;
-    for (int x = 0; x < width; ++x) {
-      const int value = values[x];
-      if (value == kInvalidDisparity) {
-        closeRun(&run, begin, x);
-      } else if (run < 0 || std::abs(value - previous) > max_step_) {
-        closeRun(&run, begin, x);
-        run = openRun(x);
-        begin = x;
-      }
-      run_of_pixel[x] = run;
-      previous = value;
+  void addRow(const std::int16_t* values, int width) {
+    constexpr int kWord = sizeof(std::uint64_t);
+    b_.edges.assign((width + kWord - 1) / kWord * kWord, 0);
+    std::uint8_t* edges = b_.edges.data();
+    const int max_step = max_step_;
+    for (int x = 1; x < width; ++x) {
+      const int value = values[x], before = values[x - 1];
+      edges[x] = (std::abs(value - before) > max_step) |
+                 ((value == kInvalidDisparity) != (before == kInvalidDisparity));
     }
-    closeRun(&run, begin, width);
+    int begin = 0;
+    for (int x = 0; x < width; x += kWord) {
+      std::uint64_t word;
+      std::memcpy(&word, edges + x, kWord);
+      if (word == 0) continue;
+      for (int edge = x; edge < x + kWord; ++edge) {
+        if (edges[edge] == 0) continue;
+        addRun(values, begin, edge);
+        begin = edge;
+      }
+    }
+    addRun(values, begin, width);
+    b_.row_begin.push_back(static_cast<std::int32_t>(b_.runs.size()));
   }
 
-  void joinRows(const std::int16_t* above, const std::int32_t* runs_above,
-                const std::int16_t* values, const std::int32_t* runs, int width) {
-    std::int32_t last_above = -1, last = -1;
-    for (int x = 0; x < width; ++x) {
-      const std::int32_t a = runs_above[x], b = runs[x];
-      if (a < 0 || b < 0 || (a == last_above && b == last)) continue;
-      if (std::abs(above[x] - values[x]) > max_step_) continue;
-      join(a, b);
-      last_above = a;
-      last = b;
+  // Joins row y to the one above it.
+  void joinRows(const std::int16_t* values_above, const std::int16_t* values, int y) {
+    std::int32_t a = b_.row_begin[y - 1], b = b_.row_begin[y];
+    const std::int32_t end_a = b, end_b = b_.row_begin[y + 1];
+    while (a < end_a && b < end_b) {
+      const Run &above = b_.runs[a], &here = b_.runs[b];
+      const int begin = std::max(above.begin, here.begin), end = std::min(above.end, here.end);
+      const bool above_ends_first = above.end < here.end;
+      if (touch(values_above, values, begin, end)) join(a, b);
+      ++(above_ends_first ? a : b);
     }
   }
 
   std::int32_t root(std::int32_t run) {
-    while (b_.parent[run] != run) {
-      b_.parent[run] = b_.parent[b_.parent[run]];
-      run = b_.parent[run];
+    while (b_.runs[run].parent != run) {
+      b_.runs[run].parent = b_.runs[b_.runs[run].parent].parent;
+      run = b_.runs[run].parent;
     }
     return run;
   }
 
  private:
-  std::int32_t openRun(int x) {
-    const std::int32_t run = static_cast<std::int32_t>(b_.parent.size());
-    b_.parent.push_back(run);
-    b_.size.push_back(0);
-    b_.run_begin.push_back(x);
-    return run;
+  void addRun(const std::int16_t* values, int begin, int end) {
+    if (values[begin] == kInvalidDisparity) return;
+    const std::int32_t run = static_cast<std::int32_t>(b_.runs.size());
+    b_.runs.push_back({begin, end, run, end - begin});
   }
 
-  void closeRun(std::int32_t* run, int begin, int end) {
-    if (*run >= 0) b_.size[*run] = end - begin;
-    *run = -1;
+  bool touch(const std::int16_t* above, const std::int16_t* values, int begin, int end) const {
+    for (int x = begin; x < end; ++x) {
+      if (std::abs(above[x] - values[x]) <= max_step_) return true;
+    }
+    return false;
   }
 
   void join(std::int32_t a, std::int32_t b) {
     a = root(a);
     b = root(b);
     if (a == b) return;
-    if (b_.size[a] < b_.size[b]) std::swap(a, b);
-    b_.parent[b] = a;
-    b_.size[a] += b_.size[b];
+    if (b_.runs[a].size < b_.runs[b].size) std::swap(a, b);
+    b_.runs[b].parent = a;
+    b_.runs[a].size += b_.runs[b].size;
   }
 
   RegionBuffers& b_;
@@ -90,26 +95,18 @@ class Regions {
 
 void removeSmallRegions(int max_size, int max_step, RegionBuffers* buffers, cv::Mat* disparity) {
   const int width = disparity->cols, height = disparity->rows;
-  buffers->run_of_pixel.resize(2 * static_cast<std::size_t>(width));
   Regions regions(buffers, max_step);
   for (int y = 0; y < height; ++y) {
-    std::int32_t* runs = buffers->run_of_pixel.data() + (y % 2) * static_cast<std::size_t>(width);
-    const std::int32_t* runs_above =
-        buffers->run_of_pixel.data() + ((y + 1) % 2) * static_cast<std::size_t>(width);
     const std::int16_t* values = disparity->ptr<std::int16_t>(y);
-    regions.addRow(values, width, runs);
-    if (y > 0) {
-      regions.joinRows(disparity->ptr<std::int16_t>(y - 1), runs_above, values, runs, width);
-    }
+    regions.addRow(values, width);
+    if (y > 0) regions.joinRows(disparity->ptr<std::int16_t>(y - 1), values, y);
   }
-  buffers->row_begin.push_back(static_cast<std::int32_t>(buffers->run_begin.size()));
   for (int y = 0; y < height; ++y) {
     std::int16_t* values = disparity->ptr<std::int16_t>(y);
     for (std::int32_t run = buffers->row_begin[y]; run < buffers->row_begin[y + 1]; ++run) {
-      if (buffers->size[regions.root(run)] > max_size) continue;
-      const int end = run + 1 < buffers->row_begin[y + 1] ? buffers->run_begin[run + 1] : width;
-      // Between this run and the next there are only pixels that are invalid already.
-      std::fill(values + buffers->run_begin[run], values + end, kInvalidDisparity);
+      if (buffers->runs[regions.root(run)].size > max_size) continue;
+      std::fill(values + buffers->runs[run].begin, values + buffers->runs[run].end,
+                kInvalidDisparity);
     }
   }
 }

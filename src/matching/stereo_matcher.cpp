@@ -81,14 +81,20 @@ void StereoMatcher::setConfig(const MatcherConfig& config) {
 const MatcherConfig& StereoMatcher::config() const { return impl_->config; }
 
 void StereoMatcher::Impl::transform(const cv::Mat& left_image, const cv::Mat& right_image) {
-  left.assign(left_image, false);
-  left_mirrored.assign(left_image, true);
-  right_mirrored.assign(right_image, true);
+  left.reserve(left_image);
+  left_mirrored.reserve(left_image);
+  right_mirrored.reserve(right_image);
   const int height = left_image.rows;
   const std::size_t row_bytes = censusPlanes(config.census_window) * censusStride(left_image.cols);
   left_census.reserve(row_bytes * height);
   right_census.reserve(row_bytes * height);
   const int threads = pool->size();
+  pool->run([&](int thread) {
+    const int begin = height * thread / threads, end = height * (thread + 1) / threads;
+    left.copyRows(left_image, false, begin, end);
+    left_mirrored.copyRows(left_image, true, begin, end);
+    right_mirrored.copyRows(right_image, true, begin, end);
+  });
   pool->run([&](int thread) {
     const int begin = height * thread / threads, end = height * (thread + 1) / threads;
     for (int y = begin; y < end; ++y) {

@@ -54,13 +54,13 @@ struct PixelSweep {
   static HWY_INLINE int PaddedRange(const SweepFrame& frame) {
     return kPadded ? kPadded : frame.layout.padded_range;
   }
-  // Costs, first half of the paths, volume.
-  static HWY_INLINE void First(const SweepFrame& frame, const SweepRow& row, int u) {
+  // Costs, first half of the paths, volume. `smallest` receives the smallest path costs of the
+  // directions, one in the lanes of each.
+  static HWY_INLINE void First(const SweepFrame& frame, const SweepRow& row, int u, V8* smallest) {
     const D8 d;
     std::uint8_t* pixel = row.current[u];
     std::uint16_t* volume = row.volume + static_cast<std::size_t>(u) * PaddedRange(frame);
     const CensusPlaces census = FindCensus(frame, row, u);
-    V8 smallest[kSweepDirections];
     ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));
@@ -77,43 +77,58 @@ struct PixelSweep {
       Aggregate<kVectors>(frame, row, u, pixel, cost, k, smallest, sums);
       for (int i = 0; i < kVectors; ++i) Pack(frame, cost[i], sums[i], volume + k + i * lanes);
     });
-    StoreSmallest<kDirections>(d, smallest, pixel);
   }
 
-  // Second half of the paths, sums, winner.
-  static HWY_INLINE void Second(const SweepFrame& frame, const SweepRow& row, int u) {
+  // Second half of the paths, sums; tells the smallest key of each lane for the winner's search, or,
+  // if not kInner, the winner itself.
+  static HWY_INLINE void Second(const SweepFrame& frame, const SweepRow& row, int u, V8* smallest,
+                                std::uint16_t* sums, std::uint16_t* keys) {
     const D8 d;
+    const D16 d16;
     const int x = frame.width - 1 - u;
     std::uint8_t* pixel = row.current[u];
     const std::uint16_t* volume = row.volume + static_cast<std::size_t>(x) * PaddedRange(frame);
     Prefetch(frame, volume);
-    alignas(64) std::uint16_t all_sums[kPadded ? kPadded : kMaxRange];
-    V8 smallest[kSweepDirections];
-    WinnerSearch search = StartSearch();
+    std::uint16_t* odd_sums = OddSums(sums, PaddedRange(frame));
+    V16 best = hn::Set(d16, kNoSum);
     ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));
       V8 cost[kVectors];
       for (int i = 0; i < kVectors; ++i) cost[i] = UnpackCost(frame, volume, k + i * lanes);
-      ByteSums sums[kVectors];
-      Aggregate<kVectors>(frame, row, u, pixel, cost, k, smallest, sums);
+      ByteSums part[kVectors];
+      Aggregate<kVectors>(frame, row, u, pixel, cost, k, smallest, part);
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
-        AddFirstSweep(volume + at, &sums[i]);
-        if (kInner) DropSumsBeyond(frame.layout.range, at, &sums[i]);
-        hn::Store(sums[i].even, D16(), all_sums + at);
-        hn::Store(sums[i].odd, D16(), all_sums + at + lanes / 2);
-        if (kInner) AddToSearch(sums[i], at / lanes, &search);
+        AddFirstSweep(volume + at, &part[i]);
+        if (kInner && kPadded == 0) DropSumsBeyond(frame.layout.range, at, &part[i]);
+        hn::Store(part[i].even, d16, sums + at / 2);
+        hn::Store(part[i].odd, d16, odd_sums + at / 2);
+        if (kInner) best = hn::Min(best, SearchKeys(part[i], at / lanes));
       }
     });
-    StoreSmallest<kDirections>(d, smallest, pixel);
     if (kInner) {
-      int sum = 0;
-      const int winner = EndSearch(search, all_sums, &sum);
-      row.winners[x] =
-          MakeWinner(frame, all_sums, PaddedRange(frame), winner, sum, 0, frame.layout.range);
+      hn::Store(best, d16, keys);
     } else {
-      row.winners[x] = SelectAmongCandidates(frame, all_sums, x);
+      row.winners[x] = SelectAmongCandidates(frame, sums, x);
+    }
+  }
+
+  // The winners of up to four rows, whose keys and sums lie `keys_stride` and `sums_stride` apart.
+  static HWY_INLINE void StoreWinners(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                                      int step, const std::uint16_t* keys, int keys_stride,
+                                      std::uint16_t* sums, int sums_stride) {
+    static_assert(kBandRows == 4, "four rows are searched together");
+    const D16 d;
+    V16 of_row[kBandRows];
+    for (int r = 0; r < kBandRows; ++r) of_row[r] = hn::Load(d, keys + r * keys_stride);
+    std::uint64_t smallest = SmallestKeys(of_row[0], of_row[1], of_row[2], of_row[3]);
+    for (int r = 0; r < row_count; ++r, smallest >>= 16) {
+      const std::uint16_t key = static_cast<std::uint16_t>(smallest);
+      std::uint16_t* of_pixel = sums + r * sums_stride;
+      const int index = IndexOfKey(key, of_row[r], of_pixel);
+      const int x = frame.width - 1 - (step - kBandLag * r);
+      rows[r].winners[x] = MakeWinner(frame, of_pixel, PaddedRange(frame), index, key >> 4);
     }
   }
 
@@ -134,7 +149,7 @@ struct PixelSweep {
   static HWY_INLINE void Aggregate(const SweepFrame& frame, const SweepRow& row, int u,
                                    std::uint8_t* pixel, const V8* cost, int k, V8* smallest,
                                    ByteSums* sums) {
-    AggregateVectors<kDirections, kVectors>(
+    AggregateVectors<kDirections, kVectors, kPadded>(
         row, u, pixel, PaddedRange(frame), cost, k,
         hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small)), smallest, sums);
   }
@@ -176,7 +191,7 @@ struct PixelSweep {
   static HWY_INLINE V8 EndCosts(const SweepFrame& frame, int k, V8 cost) {
     const D8 d;
     const int range = frame.layout.range;
-    if (k + static_cast<int>(hn::Lanes(d)) <= range) return cost;
+    if (kPadded > 0 || k + static_cast<int>(hn::Lanes(d)) <= range) return cost;
     return hn::IfThenElse(hn::FirstN(d, std::max(0, range - k)), cost,
                           hn::Set(d, std::uint8_t{255}));
   }
@@ -194,18 +209,59 @@ struct PixelSweep {
   }
 };
 
+// Neighbouring rows whose smallest path costs are looked for together: as many as make up the eight
+// vectors that one search takes, where there are registers to hold them.
+template <int kDirections>
+constexpr int rowsTogether() {
+#if HWY_TARGET == HWY_AVX3_DL || HWY_TARGET == HWY_NEON
+  return kSweepDirections / kDirections;
+#else
+  return kDirections == 2 ? 2 : 1;
+#endif
+}
+
 // Rows r of a band at pixels step - kBandLag * r, for steps [begin, end).
 template <int kDirections, int kPadded, bool kInner, bool kSecondSweep>
 HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                     int begin, int end) {
   using Pixel = PixelSweep<kDirections, kPadded, kInner>;
-  for (int step = begin; step < end; ++step) {
-    for (int r = 0; r < row_count; ++r) {
-      if (kSecondSweep) {
-        Pixel::Second(frame, rows[r], step - kBandLag * r);
+  constexpr int kSums = kSecondSweep ? sumsSize(kPadded ? kPadded : kMaxRange) : 32;
+  constexpr int kKeys = kSecondSweep ? kMaxLanes / 2 : 32;
+  alignas(64) std::uint16_t sums[kBandRows * kSums];
+  alignas(64) std::uint16_t keys[kBandRows * kKeys] = {};
+  if (kSecondSweep) {
+    for (int r = 0; r < row_count; ++r) ClearGap(sums + r * kSums, Pixel::PaddedRange(frame));
+  }
+  const auto sweepTogether = [&](auto count, int first, int step) AGS_LAMBDA {
+    constexpr int kCount = decltype(count)::value;
+    V8 smallest[kCount * kDirections];
+    Repeat<kCount>([&](auto i) AGS_LAMBDA {
+      constexpr int kRow = decltype(i)::value;
+      const int r = first + kRow, u = step - kBandLag * r;
+      if constexpr (kSecondSweep) {
+        Pixel::Second(frame, rows[r], u, smallest + kRow * kDirections, sums + r * kSums,
+                      keys + r * kKeys);
       } else {
-        Pixel::First(frame, rows[r], step - kBandLag * r);
+        Pixel::First(frame, rows[r], u, smallest + kRow * kDirections);
       }
+    });
+    std::uint64_t bytes = SmallestLanes<kCount * kDirections>(D8(), smallest);
+    for (int i = 0; i < kCount; ++i, bytes >>= 8 * kDirections % 64) {
+      const int r = first + i;
+      std::memcpy(rows[r].current[step - kBandLag * r], &bytes, sizeof(bytes));
+    }
+  };
+  constexpr int kTogether = rowsTogether<kDirections>();
+  for (int step = begin; step < end; ++step) {
+    int r = 0;
+    for (; r + kTogether <= row_count; r += kTogether) {
+      sweepTogether(std::integral_constant<int, kTogether>(), r, step);
+    }
+    if (kTogether > 1) {
+      for (; r < row_count; ++r) sweepTogether(std::integral_constant<int, 1>(), r, step);
+    }
+    if constexpr (kSecondSweep && kInner) {
+      Pixel::StoreWinners(frame, rows, row_count, step, keys, kKeys, sums, kSums);
     }
   }
 }
@@ -235,6 +291,7 @@ HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row
       SweepKind<kPadded, false, kSecondSweep>(frame, rows, row_count, kind, begin, end);
     }
   };
+  if (frame.layout.range < frame.layout.padded_range) return run(std::integral_constant<int, 0>());
   switch (frame.layout.padded_range) {
     case 64:
       return run(std::integral_constant<int, 64>());

@@ -16,7 +16,14 @@ constexpr int kImageMargin = 64;
 /// columns on either side, and any row (row(y) clamps y). Owns its memory and reuses it.
 class PaddedImage {
  public:
-  /// Copies a CV_8UC1 image; `mirrored` turns each row round (column 0 is then the image's last).
+  /// Takes the size of a CV_8UC1 image, and nothing else.
+  void reserve(const cv::Mat& image);
+
+  /// Copies rows [first_row, last_row) of an image of the reserved size; `mirrored` turns each row
+  /// round (column 0 is then the image's last). Thread safe for disjoint rows.
+  void copyRows(const cv::Mat& image, bool mirrored, int first_row, int last_row);
+
+  /// Both, for the whole image.
   void assign(const cv::Mat& image, bool mirrored);
 
   int width() const { return width_; }

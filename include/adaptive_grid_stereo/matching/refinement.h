@@ -19,11 +19,14 @@ void removeLowContrast(const PaddedImage& left, CensusWindow window, double min_
 
 /// Buffers of removeSmallRegions, reused from frame to frame.
 struct RegionBuffers {
-  std::vector<std::int32_t> run_of_pixel;
-  std::vector<std::int32_t> parent;
-  std::vector<std::int32_t> size;
-  std::vector<std::int32_t> row_begin;
-  std::vector<std::int32_t> run_begin;
+  /// Neighbours in a row whose values differ by little enough: columns [begin, end). `parent` leads
+  /// to the root of its region, which has the region's `size` [px].
+  struct Run {
+    std::int32_t begin, end, parent, size;
+  };
+  std::vector<Run> runs;
+  std::vector<std::int32_t> row_begin;  // [y] first run of the row
+  std::vector<std::uint8_t> edges;      // [x] 1 where a run begins or ends
 };
 
 /// Sets four-connected regions of at most max_size [px] valid pixels to kInvalidDisparity;
