@@ -79,8 +79,8 @@ struct PixelSweep {
     });
   }
 
-  // Second half of the paths, sums; tells the smallest key of each lane for the winner's search, or,
-  // if not kInner, the winner itself.
+  // Second half of the paths, sums; tells the smallest key of each lane for the winner's search,
+  // or, if not kInner, the winner itself.
   static HWY_INLINE void Second(const SweepFrame& frame, const SweepRow& row, int u, V8* smallest,
                                 std::uint16_t* sums, std::uint16_t* keys) {
     const D8 d;
@@ -210,14 +210,14 @@ struct PixelSweep {
 };
 
 // Neighbouring rows whose smallest path costs are looked for together: as many as make up the eight
-// vectors that one search takes, where there are registers to hold them.
-template <int kDirections>
+// vectors that one search takes, where there are registers for them beside two vectors' costs.
+template <int kDirections, int kPadded>
 constexpr int rowsTogether() {
 #if HWY_TARGET == HWY_AVX3_DL || HWY_TARGET == HWY_NEON
-  return kSweepDirections / kDirections;
-#else
-  return kDirections == 2 ? 2 : 1;
+  if (kDirections == 2) return 4;
+  if (kDirections == 4 && kPadded == 64) return 2;
 #endif
+  return 1;
 }
 
 // Rows r of a band at pixels step - kBandLag * r, for steps [begin, end).
@@ -251,7 +251,7 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
       std::memcpy(rows[r].current[step - kBandLag * r], &bytes, sizeof(bytes));
     }
   };
-  constexpr int kTogether = rowsTogether<kDirections>();
+  constexpr int kTogether = rowsTogether<kDirections, kPadded>();
   for (int step = begin; step < end; ++step) {
     int r = 0;
     for (; r + kTogether <= row_count; r += kTogether) {
