@@ -1,5 +1,6 @@
 #include "benchmark/roofline.h"
 
+#include <cstring>
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
@@ -22,14 +23,15 @@ HWY_INLINE void AggregatePixel(const SweepRow& row, int u, V8 cost_of_all, V8 pe
   V8 smallest[kSweepDirections];
   for (int k = 0; k < kRange; k += lanes) {
     ByteSums sums[1];
-    AggregateVectors<kSweepDirections, 1>(row, u, pixel, kRange, &cost_of_all, k, penalty_small,
-                                          smallest, sums);
+    AggregateVectors<kSweepDirections, 1, kRange>(row, u, pixel, kRange, &cost_of_all, k,
+                                                  penalty_small, smallest, sums);
     // The sums go where the smallest costs of no direction are, so that they are not optimised
     // away.
     hn::Store(hn::BitCast(d, hn::Xor(sums[0].even, sums[0].odd)), d,
               pixel + kPixelHeader + kSweepDirections * kRange);
   }
-  StoreSmallest<kSweepDirections>(d, smallest, pixel);
+  const std::uint64_t bytes = SmallestLanes<kSweepDirections>(d, smallest);
+  std::memcpy(pixel, &bytes, sizeof(bytes));
 }
 
 HWY_ATTR void Recurrence(const SweepRow* rows, int row_count, int width, int pixels) {
