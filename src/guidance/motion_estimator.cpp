@@ -236,9 +236,14 @@ EstimatorReport MotionEstimator::report() const {
   return report;
 }
 
-void MotionEstimator::reset() {
+void MotionEstimator::startOver(double stamp) {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
-  impl_->sources.clear();
+  impl_->sources.startOver(stamp);
+}
+
+void MotionEstimator::awaitNoLonger() {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  impl_->sources.awaitNoLonger();
 }
 
 }  // namespace adaptive_grid_stereo

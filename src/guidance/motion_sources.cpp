@@ -57,13 +57,14 @@ bool allowed(const std::string& chosen, const char* source) {
 
 template <typename Sample>
 bool delivered(const SampleBuffer<Sample>& samples, double time, double timeout) {
-  if (samples.empty() || samples.back().stamp >= time) return true;
+  if (samples.empty()) return !samples.awaited();
+  if (samples.back().stamp >= time) return true;
   const double missing = time - samples.back().stamp;
   if (missing > timeout) return true;  // silent: nothing to wait for
   const double period = samples.period();
   // A fast source is waited for until its next sample, which the interpolation wants; a slow one
-  // only if a sample is due.
-  return period > 1.5 * kInterpolationReach ? missing < 0.8 * period : period <= 0.0;
+  // only if a sample is due. The first samples do not tell yet which it is.
+  return period > 1.5 * kInterpolationReach && missing < 0.8 * period;
 }
 
 }  // namespace
@@ -73,13 +74,20 @@ VelocityAxes gpsVelocityAxes(const MotionConfig& config) {
   return isEarth(config.velocity_axes) ? config.velocity_axes : VelocityAxes::kEnu;
 }
 
-void MotionSources::clear() {
-  imu.clear();
-  odom.clear();
-  gps_vel.clear();
-  gps_fix.clear();
-  mag.clear();
+void MotionSources::startOver(double stamp) {
+  imu.startOver(stamp);
+  odom.startOver(stamp);
+  gps_vel.startOver(stamp);
+  gps_fix.startOver(stamp);
+  mag.startOver(stamp);
   attitude.clear();
+}
+
+void MotionSources::awaitNoLonger() {
+  imu.awaitNoLonger();
+  odom.awaitNoLonger();
+  gps_vel.awaitNoLonger();
+  gps_fix.awaitNoLonger();
 }
 
 std::optional<AttitudeInput> MotionSources::attitudeInput(const ImuSample& sample,

@@ -47,7 +47,9 @@ class MotionSources {
   /// axis: the Imu is not mounted as declared, so its orientation is not the body's.
   bool imuIsUpright(double time, RateAxes axes) const;
 
-  void clear();
+  /// SampleBuffer::startOver() for every source.
+  void startOver(double stamp);
+  void awaitNoLonger();
 
   SampleBuffer<ImuSample> imu{8192};
   SampleBuffer<OdometrySample> odom{4096};

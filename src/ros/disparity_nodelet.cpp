@@ -49,7 +49,7 @@ class DisparityNodelet : public nodelet::Nodelet {
 
   void onConnection();
   void onPair(const StereoPair& pair);
-  void onJump();
+  void onJump(const ros::Time& stamp);
   void onReconfigure(DisparityConfig& reconfigure);
   void fillReport(NodeReport& report);
 
@@ -131,7 +131,8 @@ void DisparityNodelet::setUpSync() {
   options.image_transport = config_.image_transport;
   sync_ = std::make_unique<StereoSync>(
       getNodeHandle(), getPrivateNodeHandle(), options,
-      [this](const StereoPair& pair) { onPair(pair); }, [this] { onJump(); });
+      [this](const StereoPair& pair) { onPair(pair); },
+      [this](const ros::Time& stamp) { onJump(stamp); });
 }
 
 void DisparityNodelet::setUpReconfigure() {
@@ -183,9 +184,9 @@ void DisparityNodelet::onPair(const StereoPair& pair) {
   jumped_ = false;
 }
 
-void DisparityNodelet::onJump() {
+void DisparityNodelet::onJump(const ros::Time& stamp) {
   diagnostics_->onReplaced(mailbox_->clear());
-  motion_->reset();
+  motion_->startOver(stamp);
   jumped_ = true;
 }
 

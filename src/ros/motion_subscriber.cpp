@@ -57,6 +57,7 @@ struct MotionSubscriber::Impl {
   std::string mounting = "not asked for yet";
   MotionHistory history;
   bool live = false;
+  bool gave_up = false;                               // waiting for publishers that send nothing
   std::map<std::string, ros::Time> newest_transform;  // by child frame
 
   MotionEstimator estimator;  // thread safe itself
@@ -253,16 +254,33 @@ Motion MotionSubscriber::waitForMotion(const ros::Time& stamp,
   const double limit = impl_->currentConfig().motion_wait;
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                       std::chrono::duration<double>(limit));
-  while (!ready(stamp, left_optical_frame) && Clock::now() < end) {
+  while (!(ready(stamp, left_optical_frame) && firstMessagesAreHere()) && Clock::now() < end) {
     // The time limit covers what arrives between the question and the wait.
     std::unique_lock<std::mutex> lock(impl_->mutex);
     impl_->arrived.wait_until(lock, std::min(end, Clock::now() + std::chrono::milliseconds(2)));
   }
+  if (Clock::now() >= end) giveUpOnFirstMessages();
   return motionAt(stamp, left_optical_frame);
 }
 
-void MotionSubscriber::reset() {
-  impl_->estimator.reset();
+bool MotionSubscriber::firstMessagesAreHere() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  if (impl_->gave_up || impl_->subscribers.empty()) return true;
+  for (const Source source : {kImu, kOdom}) {
+    const bool promised = impl_->subscribers[source].getNumPublishers() > 0;
+    if (promised && impl_->status[source].received == 0) return false;
+  }
+  return true;
+}
+
+void MotionSubscriber::giveUpOnFirstMessages() {
+  impl_->estimator.awaitNoLonger();
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  impl_->gave_up = true;
+}
+
+void MotionSubscriber::startOver(const ros::Time& stamp) {
+  impl_->estimator.startOver(stamp.toSec());
   impl_->tf.clear();
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   impl_->newest_transform.clear();

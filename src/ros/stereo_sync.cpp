@@ -81,7 +81,7 @@ std::string syncAdvice(const SyncStatus& status) {
 
 struct StereoSync::Impl {
   Impl(const ros::NodeHandle& handle_in, const ros::NodeHandle& private_handle_in,
-       const SyncOptions& options_in, PairCallback on_pair_in, std::function<void()> on_jump_in)
+       const SyncOptions& options_in, PairCallback on_pair_in, JumpCallback on_jump_in)
       : handle(handle_in),
         private_handle(private_handle_in),
         options(options_in),
@@ -136,7 +136,7 @@ struct StereoSync::Impl {
   /// The synchroniser is fed by hand, so that it can be replaced before a message goes in.
   template <int index, typename MessagePtr>
   void add(const MessagePtr& message) {
-    if (stampsJump(index, message->header.stamp)) announceJump();
+    if (stampsJump(index, message->header.stamp)) announceJump(message->header.stamp);
     if (exact) exact->template add<index>(message);
     if (approximate) approximate->template add<index>(message);
   }
@@ -174,13 +174,13 @@ struct StereoSync::Impl {
       max_stamp_difference = std::max(max_stamp_difference,
                                       std::abs(secondsBetween(right_image->header.stamp, stamp)));
     }
-    if (jumped) announceJump();
+    if (jumped) announceJump(left_image->header.stamp);
     on_pair(StereoPair{left_image, right_image, left_camera, right_camera});
   }
 
-  void announceJump() {
+  void announceJump(const ros::Time& stamp) {
     ROS_INFO("%s: stamps jumped; synchronisation and motion start over", topics.left_image.c_str());
-    on_jump();
+    on_jump(stamp);
   }
 
   /// A fresh synchroniser, without memory; never from inside a synchroniser.
@@ -253,7 +253,7 @@ struct StereoSync::Impl {
   InputTopics topics;
   image_transport::ImageTransport transport;
   const PairCallback on_pair;
-  const std::function<void()> on_jump;
+  const JumpCallback on_jump;
 
   image_transport::Subscriber left;
   image_transport::Subscriber right;
@@ -278,8 +278,7 @@ struct StereoSync::Impl {
 };
 
 StereoSync::StereoSync(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                       const SyncOptions& options, PairCallback on_pair,
-                       std::function<void()> on_jump)
+                       const SyncOptions& options, PairCallback on_pair, JumpCallback on_jump)
     : impl_(std::make_unique<Impl>(handle, private_handle, options, std::move(on_pair),
                                    std::move(on_jump))) {}
 

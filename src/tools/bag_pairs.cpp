@@ -27,7 +27,7 @@ constexpr int kLatePairsOfAJump = 5;
 
 struct BagPairs::Impl {
   Impl(const PairingOptions& options_in, std::function<void(const RecordedPair&)> on_pair_in,
-       std::function<void()> on_jump_in)
+       std::function<void(const ros::Time&)> on_jump_in)
       : options(options_in), on_pair(std::move(on_pair_in)), on_jump(std::move(on_jump_in)) {
     startOver();
   }
@@ -37,7 +37,7 @@ struct BagPairs::Impl {
     const ros::Time stamp = message->header.stamp;
     if (stamps.startsOver(index, stamp)) {
       startOver();
-      on_jump();
+      on_jump(stamp);
     }
     const Event<Message> event(message, recorded);
     if (exact) exact->template add<index>(event);
@@ -50,7 +50,7 @@ struct BagPairs::Impl {
     if (!stamp.isZero() && stamp <= last_stamp) {
       ++dropped;
       if (++late_pairs < kLatePairsOfAJump || stamp == last_stamp) return;
-      on_jump();
+      on_jump(stamp);
     }
     late_pairs = 0;
     last_stamp = stamp;
@@ -83,7 +83,7 @@ struct BagPairs::Impl {
 
   PairingOptions options;
   std::function<void(const RecordedPair&)> on_pair;
-  std::function<void()> on_jump;
+  std::function<void(const ros::Time&)> on_jump;
   std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact;
   std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate;
   StampWatch stamps;
@@ -93,7 +93,7 @@ struct BagPairs::Impl {
 };
 
 BagPairs::BagPairs(const PairingOptions& options, std::function<void(const RecordedPair&)> on_pair,
-                   std::function<void()> on_jump)
+                   std::function<void(const ros::Time&)> on_jump)
     : impl_(std::make_unique<Impl>(options, std::move(on_pair), std::move(on_jump))) {}
 
 BagPairs::~BagPairs() = default;

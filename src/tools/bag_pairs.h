@@ -27,9 +27,9 @@ struct PairingOptions {
 /// Needs ros::Time::init(), but no master. Not thread safe.
 class BagPairs {
  public:
-  /// on_jump comes before the first pair after a jump.
+  /// on_jump comes, with the new stamp, before the first pair after a jump.
   BagPairs(const PairingOptions& options, std::function<void(const RecordedPair&)> on_pair,
-           std::function<void()> on_jump);
+           std::function<void(const ros::Time&)> on_jump);
   ~BagPairs();
 
   void addLeft(const sensor_msgs::ImageConstPtr& image, const ros::Time& recorded);

@@ -30,7 +30,7 @@ class BagProcessor {
         processor_(job.config.processor),
         pairs_(
             pairingOptions(job.config), [this](const RecordedPair& p) { pending_.push_back(p); },
-            [this] { onJump(); }) {
+            [this](const ros::Time& stamp) { onJump(stamp); }) {
     limits_.baseline = job.config.baseline;
     if (job.config.approximate_sync) {
       limits_.max_stamp_difference = job.config.approximate_sync_max_interval;
@@ -118,9 +118,9 @@ class BagProcessor {
     output_.write(connection.topic, message.time, RawMessage{&message}, connection.header);
   }
 
-  void onJump() {
+  void onJump(const ros::Time& stamp) {
     processAll();
-    motion_.reset();
+    motion_.startOver(stamp);
     processor_.reset();
   }
 

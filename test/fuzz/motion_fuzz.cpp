@@ -178,7 +178,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         subscriber.setConfig(configOf(&input));
         break;
       case 7:
-        subscriber.reset();
+        subscriber.startOver(ros::Time(input.bits<std::uint32_t>(), 0));
         break;
       default:
         ask(&input, &subscriber, &machine);

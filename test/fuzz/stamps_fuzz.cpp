@@ -49,7 +49,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.queue_size = input.between(2, 8);
   ros::Time served;
   BagPairs pairs(
-      options, [&](const RecordedPair& pair) { served = pair.pair.left->header.stamp; }, [] {});
+      options, [&](const RecordedPair& pair) { served = pair.pair.left->header.stamp; },
+      [](const ros::Time&) {});
   while (input.left() > 0) {
     const int side = input.between(0, 4);
     const ros::Time stamp = stampOf(&input);

@@ -225,12 +225,33 @@ TEST(MotionEstimatorTest, NumbersBeyondAllNumbersAreNoMotion) {
   EXPECT_TRUE(estimator.add(odometry(1.1, 5.0, 0.1)));
 }
 
-TEST(MotionEstimatorTest, ResetForgets) {
+TEST(MotionEstimatorTest, StartingOverForgetsWhateverComesFirstImagesOrMotion) {
+  for (const int motion_comes_first : {0, 1, 10, 40}) {
+    MotionEstimator estimator{MotionConfig()}, fresh{MotionConfig()};
+    for (int i = 0; i < 100; ++i) estimator.add(odometry(10.0 + 0.1 * i, 50.0, 0.9));
+    const auto add = [&](int i) {
+      const OdometrySample sample = odometry(10.0 + 0.02 * i, 5.0 + 0.1 * i, 0.01 * i);
+      estimator.add(sample);
+      fresh.add(sample);
+    };
+    for (int i = 0; i < motion_comes_first; ++i) add(i);
+    estimator.startOver(10.0);
+    EXPECT_EQ(estimator.ready(10.0), motion_comes_first > 0);
+    for (int i = motion_comes_first; i < 50; ++i) add(i);
+    for (const double stamp : {10.0, 10.01, 10.3, 10.9}) {
+      const Motion expected = at(fresh, stamp), motion = at(estimator, stamp);
+      EXPECT_TRUE(motion.valid);
+      EXPECT_EQ(motion.forward_speed, expected.forward_speed) << motion_comes_first;
+      EXPECT_EQ(motion.yaw_rate, expected.yaw_rate) << motion_comes_first << " " << stamp;
+    }
+  }
+}
+
+TEST(MotionEstimatorTest, ImagesThatStartOverAloneCostNoMotion) {
   MotionEstimator estimator{MotionConfig()};
-  estimator.add(odometry(1.0, 5.0, 0.1));
-  EXPECT_TRUE(at(estimator, 1.1).valid);
-  estimator.reset();
-  EXPECT_FALSE(at(estimator, 1.1).valid);
+  for (int i = 0; i < 100; ++i) estimator.add(odometry(10.0 + 0.02 * i, 5.0, 0.1));
+  estimator.startOver(11.97);  // after one stamp from far in the future
+  EXPECT_TRUE(at(estimator, 11.97).valid);
 }
 
 }  // namespace

@@ -50,6 +50,29 @@ TEST(SampleBufferTest, RefusesWhatIsOlderThanAFullBuffer) {
   EXPECT_EQ(buffer.size(), 2u);
 }
 
+TEST(SampleBufferTest, StartsOverWithWhatCameAfterTheStepBack) {
+  Buffer buffer(100);
+  for (const double stamp : {1.0, 1.1, 4.0, 4.1}) buffer.insert({stamp, 1}, kGap);
+  for (const double stamp : {1.0, 1.05}) buffer.insert({stamp, 2}, kGap);
+  buffer.startOver(1.0);
+  EXPECT_EQ(stamps(buffer), (std::vector<double>{1.0, 1.05}));
+  EXPECT_EQ(buffer[0].value, 2) << "the one of the old run with the same stamp is no duplicate";
+  EXPECT_FALSE(buffer.awaited());
+}
+
+TEST(SampleBufferTest, AwaitsASourceThatHasNotStartedOverYet) {
+  Buffer buffer(100), never_heard(100);
+  for (const double stamp : {1.0, 1.1, 4.0, 4.1}) buffer.insert({stamp, 1}, kGap);
+  buffer.startOver(1.0);
+  never_heard.startOver(1.0);
+  EXPECT_TRUE(buffer.empty());
+  EXPECT_TRUE(buffer.awaited());
+  EXPECT_FALSE(never_heard.awaited());
+  buffer.insert({1.0, 2}, kGap);
+  EXPECT_FALSE(buffer.awaited());
+  EXPECT_EQ(stamps(buffer), (std::vector<double>{1.0}));
+}
+
 TEST(SampleBufferTest, CountsGaps) {
   Buffer buffer(10);
   for (const double stamp : {1.0, 1.4, 2.0, 2.1}) buffer.insert({stamp}, kGap);

@@ -184,13 +184,22 @@ TEST_F(MotionSubscriberTest, ReadyWaitsForSamplesAndTransforms) {
   EXPECT_TRUE(subscriber_.ready(ros::Time(12.005), "optical"));
 }
 
-TEST_F(MotionSubscriberTest, ResetForgetsSamples) {
+TEST_F(MotionSubscriberTest, StartingOverForgetsSamples) {
   fly(10.0, 12.0);
   EXPECT_TRUE(at(11.5).valid);
-  subscriber_.reset();
+  subscriber_.startOver(ros::Time(10.0));
   EXPECT_FALSE(at(11.5).valid);
+  EXPECT_FALSE(subscriber_.ready(ros::Time(10.5), "")) << "what came before will come again";
   fly(10.0, 11.0);
+  EXPECT_TRUE(subscriber_.ready(ros::Time(10.5), ""));
   EXPECT_TRUE(at(10.5).valid);
+}
+
+TEST_F(MotionSubscriberTest, WaitsNoLongerForSourcesThatDoNotComeBack) {
+  fly(10.0, 12.0);
+  subscriber_.startOver(ros::Time(10.0));
+  EXPECT_FALSE(subscriber_.waitForMotion(ros::Time(10.5), "").valid);
+  EXPECT_TRUE(subscriber_.ready(ros::Time(10.6), ""));
 }
 
 TEST_F(MotionSubscriberTest, TransformsAreUsedAgainAfterStampsFromTheFuture) {

@@ -98,7 +98,10 @@ TEST(BagPairs, PairsByStampWithTheTimeOfTheLeftImage) {
       [&](const RecordedPair& pair) {
         pairs.emplace_back(pair.pair.left->header.stamp.toSec(), pair.recorded.toSec());
       },
-      [&] { ++jumps; });
+      [&](const ros::Time& stamp) {
+        EXPECT_EQ(stamp, ros::Time(3.0));
+        ++jumps;
+      });
   const auto feed = [&](double stamp, double recorded) {
     assembler.addRightInfo(stamped<sensor_msgs::CameraInfo>(stamp), ros::Time(recorded + 0.1));
     assembler.addLeft(stamped<sensor_msgs::Image>(stamp), ros::Time(recorded));

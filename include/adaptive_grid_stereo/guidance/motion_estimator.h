@@ -79,13 +79,18 @@ class MotionEstimator {
   Motion estimate(double stamp, const MountingLookup& mounting) const;
 
   /// Whether the sources in use have delivered what counts for `stamp` [s]: the fast ones a sample
-  /// at or after it, the slow ones all samples that are due. Silent sources count as ready.
+  /// at or after it, the slow ones all samples that are due. Silent sources count as ready; after
+  /// startOver(), those only that were silent before.
   bool ready(double stamp) const;
 
   EstimatorReport report() const;
 
-  /// Forgets all samples (a bag that starts over).
-  void reset();
+  /// The images' stamps start over at `stamp` [s] (a bag that loops): forgets the samples of
+  /// before. Those that belong to the new time may have arrived already, and stay.
+  void startOver(double stamp);
+
+  /// Sources from which nothing came since startOver() count as silent from now on.
+  void awaitNoLonger();
 
  private:
   struct Impl;

@@ -25,11 +25,14 @@ struct StampCounts {
 ///
 /// Stragglers are sorted in. Three samples in a row that lie more than kClockJump behind the newest
 /// one mean that the clock was set back (a bag that loops), or that the newest one was stamped far
-/// in the future: in both cases everything later than they is dropped. Not thread safe.
+/// in the future: in both cases everything later than they is dropped. startOver() is for those who
+/// learn of such a jump elsewhere, before or after the samples show it. Not thread safe.
 template <typename Sample>
 class SampleBuffer {
  public:
   static constexpr double kClockJump = 2.0;  // [s]
+  /// Samples that arrive with a stamp so far before that of the one before begin a new run [s].
+  static constexpr double kStepBack = 0.5;
   static constexpr double kNothing = std::numeric_limits<double>::infinity();
 
   explicit SampleBuffer(std::size_t capacity) : capacity_(capacity) {}
@@ -38,15 +41,21 @@ class SampleBuffer {
   /// kNothing if they have not. gap_limit [s]: what counts as a gap.
   double insert(Sample sample, double gap_limit) {
     const double stamp = sample.stamp;
-    if (samples_.empty() || stamp > samples_.back().stamp) {
+    if (last_arrived_ - stamp > kStepBack) {
+      ++run_;
+      run_begin_ = stamp;
+    }
+    last_arrived_ = stamp;
+    awaited_ = false;
+    if (samples_.empty() || stamp > back().stamp) {
       behind_ = 0;
-      if (!samples_.empty() && stamp - samples_.back().stamp > gap_limit) ++counts_.gaps;
-      samples_.push_back(std::move(sample));
+      if (!samples_.empty() && stamp - back().stamp > gap_limit) ++counts_.gaps;
+      samples_.push_back({std::move(sample), run_});
       ++counts_.accepted;
       if (samples_.size() > capacity_) samples_.pop_front();
       return stamp;
     }
-    const bool far_behind = samples_.back().stamp - stamp > kClockJump;
+    const bool far_behind = back().stamp - stamp > kClockJump;
     behind_ = far_behind ? behind_ + 1 : 0;
     const double changed_from = insertBetween(std::move(sample), far_behind);
     if (behind_ < 3) return changed_from;
@@ -58,14 +67,14 @@ class SampleBuffer {
 
   /// Number of samples with a stamp up to `time` [s].
   std::size_t count(double time) const {
-    const auto later = [](double value, const Sample& sample) { return value < sample.stamp; };
+    const auto later = [](double value, const Kept& kept) { return value < kept.sample.stamp; };
     return std::upper_bound(samples_.begin(), samples_.end(), time, later) - samples_.begin();
   }
 
   /// The latest sample with a stamp up to `time` [s]; null if there is none.
   const Sample* latest(double time) const {
     const std::size_t n = count(time);
-    return n > 0 ? &samples_[n - 1] : nullptr;
+    return n > 0 ? &samples_[n - 1].sample : nullptr;
   }
 
   /// Median interval of the latest samples [s]; 0 with fewer than three.
@@ -76,7 +85,7 @@ class SampleBuffer {
     std::vector<double> intervals(n);
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t last = samples_.size() - 1 - i;
-      intervals[i] = samples_[last].stamp - samples_[last - 1].stamp;
+      intervals[i] = (*this)[last].stamp - (*this)[last - 1].stamp;
     }
     std::nth_element(intervals.begin(), intervals.begin() + n / 2, intervals.end());
     return intervals[n / 2];
@@ -84,21 +93,45 @@ class SampleBuffer {
 
   bool empty() const { return samples_.empty(); }
   std::size_t size() const { return samples_.size(); }
-  const Sample& operator[](std::size_t index) const { return samples_[index]; }
-  const Sample& back() const { return samples_.back(); }
+  const Sample& operator[](std::size_t index) const { return samples_[index].sample; }
+  const Sample& back() const { return samples_.back().sample; }
   const StampCounts& counts() const { return counts_; }
 
-  /// Forgets the samples; the counts stay.
-  void clear() {
-    samples_.clear();
+  /// Time starts over at about `stamp` [s]. What has arrived since the samples' own stamps stepped
+  /// back stays, all before is forgotten; if they have not got there yet, everything is, and the
+  /// source is awaited.
+  void startOver(double stamp) {
     behind_ = 0;
+    const bool stepped_back = run_ != known_run_ && run_begin_ - stamp <= kStepBack;
+    known_run_ = run_;
+    if (!stepped_back && last_arrived_ - stamp > kStepBack) {
+      awaited_ = awaited_ || !samples_.empty();
+      samples_.clear();
+      return;
+    }
+    const auto of_old_run = [this](const Kept& kept) { return kept.run != run_; };
+    samples_.erase(std::remove_if(samples_.begin(), samples_.end(), of_old_run), samples_.end());
   }
 
+  /// Whether the source has delivered before time started over, and not since.
+  bool awaited() const { return awaited_; }
+  void awaitNoLonger() { awaited_ = false; }
+
  private:
+  struct Kept {
+    Sample sample;
+    std::uint32_t run;
+  };
+
   double insertBetween(Sample sample, bool far_behind) {
     const double stamp = sample.stamp;
     const auto place = samples_.begin() + count(stamp);
-    if (place != samples_.begin() && (place - 1)->stamp == stamp) {
+    if (place != samples_.begin() && (place - 1)->sample.stamp == stamp) {
+      if (far_behind && (place - 1)->run != run_) {
+        *(place - 1) = {std::move(sample), run_};
+        ++counts_.accepted;
+        return stamp;
+      }
       ++counts_.duplicates;
       return kNothing;
     }
@@ -108,15 +141,19 @@ class SampleBuffer {
     }
     if (!far_behind) ++counts_.out_of_order;
     ++counts_.accepted;
-    samples_.insert(place, std::move(sample));
+    samples_.insert(place, {std::move(sample), run_});
     if (samples_.size() > capacity_ && !far_behind) samples_.pop_front();
     return stamp;
   }
 
   std::size_t capacity_;
-  std::deque<Sample> samples_;
+  std::deque<Kept> samples_;
   StampCounts counts_;
   int behind_ = 0;
+  double last_arrived_ = -kNothing;
+  std::uint32_t run_ = 0, known_run_ = 0;  // the latest, and that of the last startOver()
+  double run_begin_ = 0.0;
+  bool awaited_ = false;
 };
 
 }  // namespace adaptive_grid_stereo

@@ -84,12 +84,18 @@ class MotionSubscriber {
   /// motionAt(). For the worker of the live node.
   Motion waitForMotion(const ros::Time& stamp, const std::string& left_optical_frame);
 
-  /// Forgets all samples and transforms that are not static (a bag that starts over).
-  void reset();
+  /// The images' stamps start over at `stamp` (a bag that loops): forgets the samples of before,
+  /// and the transforms that are not static. Samples that belong to the new time may have arrived
+  /// already, and stay.
+  void startOver(const ros::Time& stamp);
 
   MotionInputStatus status() const;
 
  private:
+  // At the start images may come before the motion that its publishers have sent.
+  bool firstMessagesAreHere() const;
+  void giveUpOnFirstMessages();
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -64,12 +64,14 @@ std::string syncAdvice(const SyncStatus& status);
 class StereoSync {
  public:
   using PairCallback = std::function<void(const StereoPair&)>;
+  using JumpCallback = std::function<void(const ros::Time&)>;
   /// Seconds of silence before advice is given.
   static constexpr double kPatience = 5.0;
 
-  /// on_pair: every pair, stamps increasing; on_jump: stamps start over, before the next pair.
+  /// on_pair: every pair, stamps increasing; on_jump: stamps start over at about the
+  /// one given, before the next pair.
   StereoSync(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-             const SyncOptions& options, PairCallback on_pair, std::function<void()> on_jump);
+             const SyncOptions& options, PairCallback on_pair, JumpCallback on_jump);
   ~StereoSync();
 
   void subscribe();
