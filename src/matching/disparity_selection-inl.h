@@ -37,6 +37,9 @@ HWY_INLINE void ClearGap(std::uint16_t* sums, int padded_range) {
 // per lane then finds both. A sum of kNoSum loses against every other.
 constexpr int kSearchBlocks = 16;
 
+/// Keys from this one on are those of no sum.
+constexpr std::uint16_t kNoKey = 0xFFF0;
+
 HWY_INLINE V16 SearchKeys(const ByteSums& sums, int block) {
   const V16 number = hn::Set(D16(), static_cast<std::uint16_t>(block));
   return hn::Or(hn::ShiftLeft<4>(hn::Min(sums.even, sums.odd)), number);
@@ -97,30 +100,52 @@ HWY_INLINE void DropSumsBeyond(int range, int at, ByteSums* sums) {
   sums->odd = hn::IfThenElse(hn::Eq(hn::Min(odd, last), odd), sums->odd, none);
 }
 
-// The winner among the candidates [begin, end) of any number of sums in memory; the other sums
-// become kNoSum.
-HWY_INLINE int SearchCandidates(std::uint16_t* sums, int padded_range, int begin, int end) {
+// The disparities of a pixel that stay inside the right image: indices begin .. end - 1.
+struct Candidates {
+  int begin, end;
+  bool none() const { return begin >= end; }
+};
+
+HWY_INLINE Candidates FindCandidates(const SweepFrame& frame, int x) {
+  const int column = x - frame.min_disparity, range = frame.layout.range;
+  const int begin = std::clamp(column - (frame.width - 1), 0, range);
+  return {begin, std::clamp(column + 1, begin, range)};
+}
+
+// Sums of a block beginning at disparity index `at` that are no candidate's become kNoSum.
+HWY_INLINE void KeepCandidates(const Candidates& candidates, int at, ByteSums* sums) {
   const D16 d;
-  const int lanes = static_cast<int>(hn::Lanes(D8()));
-  std::uint16_t* odd_sums = OddSums(sums, padded_range);
+  // No index lies between these two if there is no candidate.
+  const int begin = candidates.none() ? 0xFFFF : candidates.begin;
+  const int back = candidates.none() ? 0xFFFE : candidates.end - 1;
   const V16 first = hn::Set(d, static_cast<std::uint16_t>(begin));
-  const V16 last = hn::Set(d, static_cast<std::uint16_t>(end - 1));
+  const V16 last = hn::Set(d, static_cast<std::uint16_t>(back));
   const V16 none = hn::Set(d, kNoSum);
-  const V16 one = hn::Set(d, std::uint16_t{1});
+  const V16 even = EvenIndices(at), odd = hn::Add(even, hn::Set(d, std::uint16_t{1}));
   const auto keep = [&](V16 sum, V16 index) AGS_LAMBDA {
     return hn::IfThenElse(hn::Eq(hn::Min(hn::Max(index, first), last), index), sum, none);
   };
+  sums->even = keep(sums->even, even);
+  sums->odd = keep(sums->odd, odd);
+}
+
+// The winner among the candidates, of which there is one at least, of any number of sums in memory;
+// the other sums become kNoSum.
+HWY_INLINE int SearchCandidates(std::uint16_t* sums, int padded_range,
+                                const Candidates& candidates) {
+  const D16 d;
+  const int lanes = static_cast<int>(hn::Lanes(D8()));
+  std::uint16_t* odd_sums = OddSums(sums, padded_range);
   int best = 0, best_sum = 0x10000;
   for (int group = 0; group < padded_range; group += kSearchBlocks * lanes) {
-    V16 keys = none;
+    V16 keys = hn::Set(d, kNoSum);
     for (int block = 0; block < kSearchBlocks && group + block * lanes < padded_range; ++block) {
       const int at = group + block * lanes;
-      const V16 index = EvenIndices(at);
-      const V16 even = keep(hn::Load(d, sums + at / 2), index);
-      const V16 odd = keep(hn::Load(d, odd_sums + at / 2), hn::Add(index, one));
-      hn::Store(even, d, sums + at / 2);
-      hn::Store(odd, d, odd_sums + at / 2);
-      keys = hn::Min(keys, SearchKeys({even, odd}, block));
+      ByteSums of_block(hn::Load(d, sums + at / 2), hn::Load(d, odd_sums + at / 2));
+      KeepCandidates(candidates, at, &of_block);
+      hn::Store(of_block.even, d, sums + at / 2);
+      hn::Store(of_block.odd, d, odd_sums + at / 2);
+      keys = hn::Min(keys, SearchKeys(of_block, block));
     }
     const std::uint16_t key = static_cast<std::uint16_t>(SmallestKeys(keys, keys, keys, keys));
     if (key >> 4 < best_sum) {
@@ -170,15 +195,12 @@ HWY_INLINE Winner MakeWinner(const SweepFrame& frame, std::uint16_t* sums, int p
   return winner;
 }
 
-// Winner of a pixel where not every disparity stays inside the right image, or not every sum is a
-// disparity's.
-HWY_INLINE Winner SelectAmongCandidates(const SweepFrame& frame, std::uint16_t* sums, int x) {
+// Winner of a pixel with more disparities than one search can take.
+HWY_INLINE Winner SelectAmongCandidates(const SweepFrame& frame, std::uint16_t* sums,
+                                        const Candidates& candidates) {
   const PathLayout& layout = frame.layout;
-  const int column = x - frame.min_disparity;
-  const int begin = std::clamp(column - (frame.width - 1), 0, layout.range);
-  const int end = std::clamp(column + 1, begin, layout.range);
-  if (begin >= end) return {kNoWinner, kNoSum, kNoSum, kNoSum};
-  const int index = SearchCandidates(sums, layout.padded_range, begin, end);
+  if (candidates.none()) return {kNoWinner, kNoSum, kNoSum, kNoSum};
+  const int index = SearchCandidates(sums, layout.padded_range, candidates);
   const std::uint16_t* of_parity = index % 2 == 0 ? sums : OddSums(sums, layout.padded_range);
   return MakeWinner(frame, sums, layout.padded_range, index, of_parity[index / 2]);
 }

@@ -4,6 +4,21 @@
 #include <cstring>
 
 namespace adaptive_grid_stereo {
+namespace {
+
+// Eight pixels at a time, which std::reverse_copy does not do.
+void reverse(const std::uint8_t* source, int width, std::uint8_t* target) {
+  int x = 0;
+  for (; x + 8 <= width; x += 8) {
+    std::uint64_t pixels;
+    std::memcpy(&pixels, source + width - 8 - x, 8);
+    pixels = __builtin_bswap64(pixels);
+    std::memcpy(target + x, &pixels, 8);
+  }
+  std::reverse_copy(source, source + width - x, target + x);
+}
+
+}  // namespace
 
 void PaddedImage::reserve(const cv::Mat& image) {
   width_ = image.cols;
@@ -18,7 +33,7 @@ void PaddedImage::copyRows(const cv::Mat& image, bool mirrored, int first_row, i
     std::uint8_t* target = pixels_.data() + static_cast<std::size_t>(y) * stride_;
     std::uint8_t* pixels = target + kImageMargin;
     if (mirrored) {
-      std::reverse_copy(source, source + width_, pixels);
+      reverse(source, width_, pixels);
     } else {
       std::memcpy(pixels, source, width_);
     }

@@ -77,7 +77,7 @@ HWY_INLINE Path MakePath(D8 d, const SweepRow& row, int u, std::uint8_t* pixel, 
   const std::uint8_t* predecessor = Predecessor<kDirection>(row, u);
   const std::size_t block = kPixelHeader + kDirection * static_cast<std::size_t>(padded_range);
   const V8 smallest = hn::Set(d, predecessor[kDirection]);
-  const V8 penalty = hn::Set(d, row.penalties[u * kSweepDirections + kDirection]);
+  const V8 penalty = hn::Set(d, row.penalties[penaltyPlace(u, kDirection)]);
   return {predecessor + block, pixel + block, smallest, hn::Add(smallest, penalty)};
 }
 

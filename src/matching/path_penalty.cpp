@@ -25,26 +25,19 @@ HWY_INLINE V8 LookUpPenalties(D8 d, const std::uint8_t* table, int tables, V8 st
 }
 
 HWY_ATTR void PenaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous,
-                         int directions, int width, const std::uint8_t* table,
+                         int directions, int begin, int end, const std::uint8_t* table,
                          std::uint8_t* penalties) {
   const D8 d;
   // The table falls until it stays at its last value; only that part has to be looked up.
   int tables = 16;
   while (tables > 1 && table[16 * (tables - 1) - 1] == table[255]) --tables;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int u = 0; u < width; u += lanes) {
+  for (int u = begin; u < end; u += lanes) {
     const V8 grey = hn::LoadU(d, current + u);
-    alignas(64) std::uint8_t by_direction[kSweepDirections][kMaxLanes] = {};
     for (int r = 0; r < directions; ++r) {
       const V8 other = hn::LoadU(d, previous[r] + u);
       const V8 step = hn::Sub(hn::Max(grey, other), hn::Min(grey, other));
-      hn::Store(LookUpPenalties(d, table, tables, step), d, by_direction[r]);
-    }
-    std::uint8_t* out = penalties + static_cast<std::size_t>(u) * kSweepDirections;
-    for (int i = 0; i < lanes; ++i) {
-      for (int r = 0; r < kSweepDirections; ++r) {
-        out[i * kSweepDirections + r] = by_direction[r][i];
-      }
+      hn::Store(LookUpPenalties(d, table, tables, step), d, penalties + penaltyPlace(u, r));
     }
   }
 }
@@ -58,8 +51,8 @@ namespace adaptive_grid_stereo {
 HWY_EXPORT(PenaltyRow);
 
 void penaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous, int directions,
-                int width, const std::uint8_t* table, std::uint8_t* penalties) {
-  HWY_DYNAMIC_DISPATCH(PenaltyRow)(current, previous, directions, width, table, penalties);
+                int begin, int end, const std::uint8_t* table, std::uint8_t* penalties) {
+  HWY_DYNAMIC_DISPATCH(PenaltyRow)(current, previous, directions, begin, end, table, penalties);
 }
 
 }  // namespace adaptive_grid_stereo

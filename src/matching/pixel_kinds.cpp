@@ -7,16 +7,6 @@
 namespace adaptive_grid_stereo {
 namespace {
 
-PathPlan turned(const PathPlan& plan) {
-  PathPlan result;
-  for (int i = 0; i < 4; ++i) {
-    result.column_edges[i] = plan.column_edges[3] - plan.column_edges[3 - i];
-    result.row_edges[i] = plan.row_edges[3] - plan.row_edges[3 - i];
-  }
-  for (int i = 0; i < 9; ++i) result.paths[i] = plan.paths[8 - i];
-  return result;
-}
-
 int cellOf(const std::array<int, 4>& edges, int position) {
   int cell = 0;
   while (position >= edges[cell + 1]) ++cell;
@@ -40,6 +30,16 @@ Reach reachOf(const std::array<int, 4>& edges, int position) {
 }
 
 }  // namespace
+
+PathPlan turned(const PathPlan& plan) {
+  PathPlan result;
+  for (int i = 0; i < 4; ++i) {
+    result.column_edges[i] = plan.column_edges[3] - plan.column_edges[3 - i];
+    result.row_edges[i] = plan.row_edges[3] - plan.row_edges[3 - i];
+  }
+  for (int i = 0; i < 9; ++i) result.paths[i] = plan.paths[8 - i];
+  return result;
+}
 
 void PixelKinds::assign(const PathPlan& original, bool second_sweep) {
   const PathPlan plan = second_sweep ? turned(original) : original;

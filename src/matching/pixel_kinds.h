@@ -9,6 +9,9 @@
 
 namespace adaptive_grid_stereo {
 
+/// The plan turned by 180 degrees, as the second sweep sees it.
+PathPlan turned(const PathPlan& plan);
+
 /// The PixelKind of every pixel of a sweep, from the path plan. Rows that are alike share one
 /// table.
 class PixelKinds {

@@ -14,10 +14,10 @@ struct RightClaims {
   std::vector<std::int32_t> sum_and_index;
 };
 
-/// Sub-pixel disparity and left-right check of one row (see the rules at disparity_selection.h).
+/// Sub-pixel disparity and left-right check of one row.
 /// shifts: [x] log2(16 / paths) of each pixel, which brings sums of different cells to one scale.
 /// disparity: width fixed-point values, kInvalidDisparity where there is none.
-void selectRow(const Winner* winners, const std::uint8_t* shifts, int width,
+void selectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
                const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity);
 
 }  // namespace adaptive_grid_stereo

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <thread>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/matching/sweep.cpp"
@@ -24,16 +23,6 @@ constexpr int kMaxRange = 512;
 constexpr int kCostBits = 6;
 constexpr std::uint16_t kCostMask = 63;
 
-// Waits until the band above has finished `column`; returns how far it has come.
-inline int waitFor(const BandProgress& progress, int column) {
-  int reached = progress.column.load(std::memory_order_acquire);
-  for (int spins = 0; reached < column; ++spins) {
-    if (spins > 64) std::this_thread::yield();
-    reached = progress.column.load(std::memory_order_acquire);
-  }
-  return reached;
-}
-
 }  // namespace adaptive_grid_stereo
 #endif  // AGS_SWEEP_SHARED
 
@@ -42,14 +31,13 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
-// The census window that has kernels of its own, for inner pixels: the default.
-constexpr CensusWindow kUsualWindow = CensusWindow::k9x7;
-constexpr int kUsualPlanes = censusPlanes(kUsualWindow);
+// Where a pixel is: all its disparities stay inside the right image, or some do not. kLongRange: as
+// kBorder, with more disparities than one search for the winner can take.
+enum class Place { kInner, kBorder, kLongRange };
 
 // A pixel's work, specialised: kDirections 2, 4 or 8; kPadded the padded range if known at compile
-// time, else 0; kInner if all disparities stay inside the right image and the window is the usual
-// one.
-template <int kDirections, int kPadded, bool kInner>
+// time, else 0.
+template <int kDirections, int kPadded, Place kPlace>
 struct PixelSweep {
   static HWY_INLINE int PaddedRange(const SweepFrame& frame) {
     return kPadded ? kPadded : frame.layout.padded_range;
@@ -66,9 +54,9 @@ struct PixelSweep {
       const int lanes = static_cast<int>(hn::Lanes(d));
       V8 cost[kVectors];
       for (int i = 0; i < kVectors; ++i) {
-        if constexpr (kInner) {
+        if constexpr (kPlace == Place::kInner) {
           cost[i] =
-              EndCosts(frame, k + i * lanes, HammingDistances<kUsualPlanes>(census, k + i * lanes));
+              EndCosts(frame, k + i * lanes, HammingDistances(frame.window, census, k + i * lanes));
         } else {
           cost[i] = BorderCosts(frame, census, k + i * lanes);
         }
@@ -80,7 +68,7 @@ struct PixelSweep {
   }
 
   // Second half of the paths, sums; tells the smallest key of each lane for the winner's search,
-  // or, if not kInner, the winner itself.
+  // or, if kLongRange, the winner itself.
   static HWY_INLINE void Second(const SweepFrame& frame, const SweepRow& row, int u, V8* smallest,
                                 std::uint16_t* sums, std::uint16_t* keys) {
     const D8 d;
@@ -90,6 +78,7 @@ struct PixelSweep {
     const std::uint16_t* volume = row.volume + static_cast<std::size_t>(x) * PaddedRange(frame);
     Prefetch(frame, volume);
     std::uint16_t* odd_sums = OddSums(sums, PaddedRange(frame));
+    const Candidates candidates = FindCandidates(frame, x);
     V16 best = hn::Set(d16, kNoSum);
     ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
@@ -101,16 +90,19 @@ struct PixelSweep {
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
         AddFirstSweep(volume + at, &part[i]);
-        if (kInner && kPadded == 0) DropSumsBeyond(frame.layout.range, at, &part[i]);
+        if (kPlace == Place::kInner && kPadded == 0) {
+          DropSumsBeyond(frame.layout.range, at, &part[i]);
+        }
+        if (kPlace == Place::kBorder) KeepCandidates(candidates, at, &part[i]);
         hn::Store(part[i].even, d16, sums + at / 2);
         hn::Store(part[i].odd, d16, odd_sums + at / 2);
-        if (kInner) best = hn::Min(best, SearchKeys(part[i], at / lanes));
+        if (kPlace != Place::kLongRange) best = hn::Min(best, SearchKeys(part[i], at / lanes));
       }
     });
-    if (kInner) {
-      hn::Store(best, d16, keys);
+    if (kPlace == Place::kLongRange) {
+      row.winners.put(x, SelectAmongCandidates(frame, sums, candidates));
     } else {
-      row.winners[x] = SelectAmongCandidates(frame, sums, x);
+      hn::Store(best, d16, keys);
     }
   }
 
@@ -128,7 +120,11 @@ struct PixelSweep {
       std::uint16_t* of_pixel = sums + r * sums_stride;
       const int index = IndexOfKey(key, of_row[r], of_pixel);
       const int x = frame.width - 1 - (step - kBandLag * r);
-      rows[r].winners[x] = MakeWinner(frame, of_pixel, PaddedRange(frame), index, key >> 4);
+      if (kPlace == Place::kBorder && key >= kNoKey) {
+        rows[r].winners.put(x, {kNoWinner, kNoSum, kNoSum, kNoSum});
+        continue;
+      }
+      rows[r].winners.put(x, MakeWinner(frame, of_pixel, PaddedRange(frame), index, key >> 4));
     }
   }
 
@@ -221,20 +217,36 @@ constexpr int rowsTogether() {
 }
 
 // Rows r of a band at pixels step - kBandLag * r, for steps [begin, end).
-template <int kDirections, int kPadded, bool kInner, bool kSecondSweep>
+template <int kDirections, int kPadded, Place kPlace, bool kSecondSweep>
 HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                     int begin, int end) {
-  using Pixel = PixelSweep<kDirections, kPadded, kInner>;
+  using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
   constexpr int kSums = kSecondSweep ? sumsSize(kPadded ? kPadded : kMaxRange) : 32;
   constexpr int kKeys = kSecondSweep ? kMaxLanes / 2 : 32;
-  alignas(64) std::uint16_t sums[kBandRows * kSums];
-  alignas(64) std::uint16_t keys[kBandRows * kKeys] = {};
+  // Of two steps in turn: the winners of one are searched after the work of the next, which by then
+  // waits for nothing.
+  alignas(64) std::uint16_t sums_of_steps[2][kBandRows * kSums];
+  alignas(64) std::uint16_t keys_of_steps[2][kBandRows * kKeys];
+  constexpr bool kSearchesTogether = kSecondSweep && kPlace != Place::kLongRange;
   if (kSecondSweep) {
-    for (int r = 0; r < row_count; ++r) ClearGap(sums + r * kSums, Pixel::PaddedRange(frame));
+    for (int i = 0; i < 2 * kBandRows; ++i) {
+      ClearGap(sums_of_steps[0] + i * kSums, Pixel::PaddedRange(frame));
+    }
+    for (int r = row_count; r < kBandRows; ++r) {
+      for (auto& keys : keys_of_steps) std::fill_n(keys + r * kKeys, kKeys, kNoKey);
+    }
   }
+  const auto storeWinners = [&](int step) AGS_LAMBDA {
+    if constexpr (kSearchesTogether) {
+      Pixel::StoreWinners(frame, rows, row_count, step, keys_of_steps[step & 1], kKeys,
+                          sums_of_steps[step & 1], kSums);
+    }
+  };
   const auto sweepTogether = [&](auto count, int first, int step) AGS_LAMBDA {
     constexpr int kCount = decltype(count)::value;
     V8 smallest[kCount * kDirections];
+    std::uint16_t* sums = sums_of_steps[step & 1];
+    std::uint16_t* keys = keys_of_steps[step & 1];
     Repeat<kCount>([&](auto i) AGS_LAMBDA {
       constexpr int kRow = decltype(i)::value;
       const int r = first + kRow, u = step - kBandLag * r;
@@ -260,23 +272,26 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
     if (kTogether > 1) {
       for (; r < row_count; ++r) sweepTogether(std::integral_constant<int, 1>(), r, step);
     }
-    if constexpr (kSecondSweep && kInner) {
-      Pixel::StoreWinners(frame, rows, row_count, step, keys, kKeys, sums, kSums);
-    }
+    if (step > begin) storeWinners(step - 1);
   }
+  storeWinners(end - 1);
 }
 
-template <int kPadded, bool kInner, bool kSecondSweep>
+template <int kPadded, Place kPlace, bool kSecondSweep>
 HWY_INLINE void SweepKind(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
                           int begin, int end) {
   switch (kind) {
     case kTwo:
-      return SweepRun<2, kPadded, kInner, kSecondSweep>(frame, rows, row_count, begin, end);
+      return SweepRun<2, kPadded, kPlace, kSecondSweep>(frame, rows, row_count, begin, end);
     case kFour:
-      return SweepRun<4, kPadded, kInner, kSecondSweep>(frame, rows, row_count, begin, end);
+      return SweepRun<4, kPadded, kPlace, kSecondSweep>(frame, rows, row_count, begin, end);
     case kEight:
-      return SweepRun<8, kPadded, kInner, kSecondSweep>(frame, rows, row_count, begin, end);
+      return SweepRun<8, kPadded, kPlace, kSecondSweep>(frame, rows, row_count, begin, end);
   }
+}
+
+HWY_INLINE bool IsLongRange(const PathLayout& layout) {
+  return layout.padded_range > kSearchBlocks * static_cast<int>(hn::Lanes(D8()));
 }
 
 // A run of pixels of one kind; the usual ranges have kernels of their own.
@@ -286,11 +301,14 @@ HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row
   const auto run = [&](auto padded) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
     if (inner) {
-      SweepKind<kPadded, true, kSecondSweep>(frame, rows, row_count, kind, begin, end);
+      SweepKind<kPadded, Place::kInner, kSecondSweep>(frame, rows, row_count, kind, begin, end);
     } else {
-      SweepKind<kPadded, false, kSecondSweep>(frame, rows, row_count, kind, begin, end);
+      SweepKind<kPadded, Place::kBorder, kSecondSweep>(frame, rows, row_count, kind, begin, end);
     }
   };
+  if (IsLongRange(frame.layout)) {
+    return SweepKind<0, Place::kLongRange, kSecondSweep>(frame, rows, row_count, kind, begin, end);
+  }
   if (frame.layout.range < frame.layout.padded_range) return run(std::integral_constant<int, 0>());
   switch (frame.layout.padded_range) {
     case 64:
@@ -327,19 +345,15 @@ HWY_ATTR void SweepStep(const SweepFrame& frame, const SweepRow& row, int u, boo
   }
 }
 
-// Columns whose disparities all stay inside the right image; none if the inner kernels do not fit.
+// Columns whose disparities all stay inside the right image; none if no kernel makes use of that.
 struct InnerColumns {
   int begin, end;
   bool holds(int u) const { return u >= begin && u < end; }
 };
 
 HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame, bool second_sweep) {
-  const PathLayout& layout = frame.layout;
-  if (frame.window != kUsualWindow ||
-      layout.padded_range > kSearchBlocks * static_cast<int>(hn::Lanes(D8()))) {
-    return {0, 0};
-  }
-  const int begin = std::max(0, frame.min_disparity + layout.range - 1);
+  if (IsLongRange(frame.layout)) return {0, 0};
+  const int begin = std::max(0, frame.min_disparity + frame.layout.range - 1);
   const int end = std::min(frame.width, frame.width + frame.min_disparity);
   if (second_sweep) return {frame.width - end, frame.width - begin};
   return {begin, end};
@@ -366,45 +380,35 @@ HWY_INLINE int UniformSteps(const SweepFrame& frame, const SweepRow* rows, int r
 }
 
 template <bool kSecondSweep>
-HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_count,
-                        const BandProgress* before, BandProgress* own) {
-  // Progress is looked at and told once per so many pixels.
-  constexpr int kStride = 16;
-  const int begin = -kPathMargin, end = frame.width + kPathMargin;
-  const int lag = kBandLag * (row_count - 1);
+HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+                        int last) {
   const InnerColumns inner = FindInnerColumns(frame, kSecondSweep);
-  int reached = before ? begin - 1 : end;
-  for (int step = begin; step < end + lag;) {
-    const int chunk_end = std::min((step / kStride + 1) * kStride, end + lag);
-    const int needed = std::min(chunk_end - 1 + kPathMargin, end - 1);
-    if (reached < needed) reached = waitFor(*before, needed);
-    while (step < chunk_end) {
-      int kind = kClear;
-      const int uniform = UniformSteps(frame, rows, row_count, step, inner, &kind);
-      if (uniform > 0) {
-        const int run_end = std::min(chunk_end, step + uniform);
-        SweepPixels<kSecondSweep>(frame, rows, row_count, kind, inner.holds(step), step, run_end);
-        step = run_end;
-        continue;
-      }
-      for (int r = 0; r < row_count; ++r) {
-        const int u = step - kBandLag * r;
-        if (u >= begin && u < end) SweepStep<kSecondSweep>(frame, rows[r], u, inner.holds(u));
-      }
-      ++step;
+  for (int step = first; step < last;) {
+    int kind = kClear;
+    const int uniform = UniformSteps(frame, rows, row_count, step, inner, &kind);
+    if (uniform > 0) {
+      const int run_end = std::min(last, step + uniform);
+      SweepPixels<kSecondSweep>(frame, rows, row_count, kind, inner.holds(step), step, run_end);
+      step = run_end;
+      continue;
     }
-    own->column.store(step - 1 - lag, std::memory_order_release);
+    for (int r = 0; r < row_count; ++r) {
+      const int u = step - kBandLag * r;
+      if (u >= -kPathMargin && u < frame.width + kPathMargin) {
+        SweepStep<kSecondSweep>(frame, rows[r], u, inner.holds(u));
+      }
+    }
+    ++step;
   }
   if (frame.stream_volume) hwy::FlushStream();
-  own->column.store(end, std::memory_order_release);
 }
 
 HWY_ATTR void RunBand(const SweepFrame& frame, bool second_sweep, const SweepRow* rows,
-                      int row_count, const BandProgress* before, BandProgress* own) {
+                      int row_count, int first, int last) {
   if (second_sweep) {
-    SweepBand<true>(frame, rows, row_count, before, own);
+    SweepBand<true>(frame, rows, row_count, first, last);
   } else {
-    SweepBand<false>(frame, rows, row_count, before, own);
+    SweepBand<false>(frame, rows, row_count, first, last);
   }
 }
 
@@ -422,8 +426,8 @@ HWY_EXPORT(SweepLanes);
 int sweepLanes() { return HWY_DYNAMIC_DISPATCH(SweepLanes)(); }
 
 void runBand(const SweepFrame& frame, bool second_sweep, const SweepRow* rows, int row_count,
-             const BandProgress* before, BandProgress* own) {
-  HWY_DYNAMIC_DISPATCH(RunBand)(frame, second_sweep, rows, row_count, before, own);
+             int first, int last) {
+  HWY_DYNAMIC_DISPATCH(RunBand)(frame, second_sweep, rows, row_count, first, last);
 }
 
 }  // namespace adaptive_grid_stereo

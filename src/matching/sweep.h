@@ -8,7 +8,6 @@
 // image turned by 180 degrees, hence its own coordinates: u, v count along the sweep, x, y in the
 // image.
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -62,16 +61,34 @@ constexpr std::uint16_t kNoWinner = 0xFFFF;
 constexpr std::uint16_t kNotUnique = 0x8000;
 constexpr std::uint16_t kNoSum = 0xFFFF;
 
+/// The winners of a row, each part by itself, so that what follows goes by vectors.
+struct WinnerRow {
+  std::uint16_t *index, *sum, *before, *after;  // [x]
+
+  void put(int x, const Winner& winner) const {
+    index[x] = winner.index;
+    sum[x] = winner.sum;
+    before[x] = winner.before;
+    after[x] = winner.after;
+  }
+};
+
+/// Where P2 of a pixel and direction stands in its row: blocks of 64 pixels, direction by
+/// direction, so that it is written by vectors and read at fixed distances.
+constexpr std::size_t penaltyPlace(int u, int direction) {
+  return static_cast<std::size_t>(u & ~63) * kSweepDirections + 64 * direction + (u & 63);
+}
+
 /// One row within a band.
 struct SweepRow {
   const std::uint8_t* kinds;      // [u], -kPathMargin .. width + kPathMargin - 1
   const int* kind_ends;           // [u] the next column of another kind
-  const std::uint8_t* penalties;  // P2 of eq. 7 at [u * kSweepDirections + direction]
+  const std::uint8_t* penalties;  // P2 of eq. 7 at [penaltyPlace(u, direction)]
   PathRow current, above, above2;
   const std::uint8_t* left;   // census planes of the row
   const std::uint8_t* right;  // mirrored
   std::uint16_t* volume;      // [x * padded_range]
-  Winner* winners;            // [x], second sweep only
+  WinnerRow winners;          // second sweep only
 };
 
 /// What all rows of a sweep share.
@@ -88,28 +105,24 @@ struct SweepFrame {
   bool stream_volume = false;
 };
 
-/// Columns that a band has finished, for the thread of the next band.
-struct alignas(64) BandProgress {
-  std::atomic<int> column{0};
-};
-
 /// Most lanes of any target's byte vectors.
 constexpr int kMaxLanes = 64;
 
 /// Lanes of the SIMD target's byte vectors; padded_range must be a multiple.
 int sweepLanes();
 
-/// Runs one band of `row_count` <= kBandRows rows of the first or second sweep. `before`: progress
-/// of the band above, null for the first one; `own`: set as the band proceeds.
+/// Runs steps [first, last) of one band of `row_count` <= kBandRows rows of the first or second
+/// sweep. At step s row r is at pixel s - kBandLag * r; the band is complete with steps
+/// -kPathMargin to width + kPathMargin + kBandLag * (row_count - 1).
 void runBand(const SweepFrame& frame, bool second_sweep, const SweepRow* rows, int row_count,
-             const BandProgress* before, BandProgress* own);
+             int first, int last);
 
-/// P2 of eq. 7 for the pixels of a row and each direction: penalties[u * kSweepDirections + r] is
-/// the entry of `table` (256, falling) for the grey-level step between current[u] and
-/// previous[r][u]. Only the first `directions` (2, 4 or 8) are needed. May write up to a vector's
-/// pixels beyond `width`, and read as many.
+/// P2 of eq. 7 for pixels [begin, end) of a row and each direction: penalties[penaltyPlace(u, r)]
+/// is the entry of `table` (256, falling) for the grey-level step between current[u] and
+/// previous[r][u]. Only the first `directions` (2, 4 or 8) are needed. `begin` must be a multiple
+/// of 64. May write up to a vector's pixels beyond `end`, and read as many.
 void penaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous, int directions,
-                int width, const std::uint8_t* table, std::uint8_t* penalties);
+                int begin, int end, const std::uint8_t* table, std::uint8_t* penalties);
 
 }  // namespace adaptive_grid_stereo
 

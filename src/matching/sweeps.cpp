@@ -15,6 +15,12 @@ constexpr int kRingPixels = 8;
 static_assert(2 * kBandLag + 2 <= kRingPixels, "a ring must hold what the rows below still need");
 static_assert(kBandRows >= 2, "the two rows above a band come from one band");
 
+// A band leaves its last two rows to the next one, and the one after that writes over them: at
+// places that their readers have passed, since a strip writes kBandLag * 2 pixels and more behind
+// its step, and comes within Strips::kReach of the next strip only when that one is as far in the
+// band above.
+constexpr int kBoundaries = 2;
+
 // From this size on [bytes] the volume does not stay in the caches from one sweep to the other.
 constexpr std::size_t kStreamedVolume = std::size_t{12} << 20;
 
@@ -66,41 +72,35 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
   volume_.reserve(volume_size);
   frame_.stream_volume = volume_size * sizeof(std::uint16_t) >= kStreamedVolume;
   const std::size_t row_pixels = static_cast<std::size_t>(width) + 2 * kPathMargin;
-  reserveCosts(2 * row_pixels * (threads + 1), &boundary_rows_);
+  reserveCosts(2 * kBoundaries * row_pixels, &boundary_rows_);
+  // The first and the last strip are up to so many bands apart.
+  ring_sets_ = threads == 1 ? 1 : 2 * threads + 2;
+  reserveCosts(static_cast<std::size_t>(ring_sets_) * kBandRows * kRingPixels, &rings_);
   reserveCosts(1, &zero_pixel_);
   for (int r = 0; r < kSweepDirections; ++r) {
     zero_pixel_.data()[r] = 0;
     std::memset(zero_pixel_.data() + kPixelHeader + r * layout.padded_range, 0, layout.range);
   }
-  const int bands = (height + kBandRows - 1) / kBandRows;
-  if (bands > progress_size_) {
-    progress_.reset(new BandProgress[bands]);
-    progress_size_ = bands;
-  }
   penalty_stride_ = kSweepDirections * ((static_cast<std::size_t>(width) + 63) / 64 * 64);
   workers_.resize(threads);
-  for (Worker& worker : workers_) {
-    reserveCosts(kBandRows * kRingPixels, &worker.rings);
-    worker.penalties.reserve(kBandRows * penalty_stride_);
-    worker.winners.resize(static_cast<std::size_t>(kBandRows) * width);
-  }
-  placePathCosts(threads);
+  for (Worker& worker : workers_) worker.penalties.reserve(kBandRows * penalty_stride_);
+  winner_rows_ = threads == 1 ? kBandRows : height;
+  winners_.reserve(static_cast<std::size_t>(4) * width * winner_rows_);
+  placePathCosts();
 }
 
-void Sweeps::placePathCosts(int threads) {
+void Sweeps::placePathCosts() {
   const std::size_t stride = frame_.layout.pixel_stride;
   const std::size_t row_pixels = static_cast<std::size_t>(frame_.width) + 2 * kPathMargin;
   zero_places_.assign(row_pixels, zero_pixel_.data());
-  boundary_places_.resize(2 * (threads + 1) * row_pixels);
+  boundary_places_.resize(2 * kBoundaries * row_pixels);
   for (std::size_t i = 0; i < boundary_places_.size(); ++i) {
     boundary_places_[i] = boundary_rows_.data() + i * stride;
   }
-  for (Worker& worker : workers_) {
-    worker.ring_places.resize(kBandRows * row_pixels);
-    for (std::size_t i = 0; i < worker.ring_places.size(); ++i) {
-      const std::size_t ring = i / row_pixels, place = i % row_pixels % kRingPixels;
-      worker.ring_places[i] = worker.rings.data() + (ring * kRingPixels + place) * stride;
-    }
+  ring_places_.resize(static_cast<std::size_t>(ring_sets_) * kBandRows * row_pixels);
+  for (std::size_t i = 0; i < ring_places_.size(); ++i) {
+    const std::size_t ring = i / row_pixels, place = i % row_pixels % kRingPixels;
+    ring_places_[i] = rings_.data() + (ring * kRingPixels + place) * stride;
   }
 }
 
@@ -116,47 +116,65 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, ThreadPool* po
       std::fill(row + plan.column_edges[cell % 3], row + plan.column_edges[cell % 3 + 1], shift);
     }
   }
-  runSweep(images, false, pool, disparity);
-  runSweep(images, true, pool, disparity);
+  for (const bool second : {false, true}) runSweep(images, second, pool, disparity);
+  if (pool->size() == 1) return;  // selected on the way
+  pool->run([&](int thread) {
+    const int height = frame_.height, threads = pool->size();
+    selectRows(height * thread / threads, height * (thread + 1) / threads, &workers_[thread].claims,
+               disparity);
+  });
 }
 
 void Sweeps::runSweep(const SweepImages& images, bool second, ThreadPool* pool,
                       cv::Mat* disparity) {
   const int bands = (frame_.height + kBandRows - 1) / kBandRows;
-  const int threads = pool->size();
-  for (int band = 0; band < bands; ++band) {
-    progress_[band].column.store(-kPathMargin - 1, std::memory_order_relaxed);
-  }
+  Strips& strips = strips_[second];
+  strips.assign(second ? turned(plan_) : plan_, pool->size());
   pool->run([&](int thread) {
-    for (int band = thread; band < bands; band += threads) {
-      runBandOf(images, second, band, threads, &workers_[thread], disparity);
-    }
+    if (thread >= strips.count()) return;
+    SweepRow rows[kBandRows];
+    int row_count = 0;
+    const auto prepare = [&](int band) {
+      row_count = std::min(kBandRows, frame_.height - band * kBandRows);
+      for (int i = 0; i < row_count; ++i) {
+        rows[i] = makeRow(images, second, band, i, row_count);
+        fillPenalties(images, second, band * kBandRows + i, i, strips.edge(thread),
+                      strips.edge(thread + 1), &workers_[thread], &rows[i]);
+      }
+    };
+    strips.run(thread, bands, prepare, [&](int band, int first, int last) {
+      runBand(frame_, second, rows, row_count, first, last);
+      // A row is selected as a whole: at once, while it is in the cache, if there is but one
+      // thread.
+      if (second && pool->size() == 1 && last == strips.edge(1)) {
+        const int end = frame_.height - band * kBandRows;
+        selectRows(end - row_count, end, &workers_[thread].claims, disparity);
+      }
+    });
   });
 }
 
-void Sweeps::fillPathRows(int band, int row, int row_count, int threads, Worker* worker,
-                          SweepRow* out) {
+void Sweeps::fillPathRows(int band, int row, int row_count, SweepRow* out) {
   const std::size_t row_pixels = static_cast<std::size_t>(frame_.width) + 2 * kPathMargin;
-  // A band leaves its last two rows to the next one. There are enough slots that none is written
-  // again before its reader, which runs on the same thread as the next writer, is done.
   const auto boundary = [&](int of_band, int from_last) {
     if (of_band < 0) return zero_places_.data() + kPathMargin;
-    const std::size_t slot = of_band % (threads + 1);
+    const std::size_t slot = of_band % kBoundaries;
     return boundary_places_.data() + (2 * slot + from_last) * row_pixels + kPathMargin;
   };
   const auto rowOf = [&](int index) -> PathRow {
     if (index < 0) return boundary(band - 1, -1 - index);
     const int from_last = row_count - 1 - index;
     if (row_count == kBandRows && from_last < 2) return boundary(band, from_last);
-    return worker->ring_places.data() + index * row_pixels + kPathMargin;
+    const std::size_t ring = static_cast<std::size_t>(band % ring_sets_) * kBandRows + index;
+    return ring_places_.data() + ring * row_pixels + kPathMargin;
   };
   out->current = rowOf(row);
   out->above = rowOf(row - 1);
   out->above2 = rowOf(row - 2);
 }
 
-void Sweeps::fillPenalties(const SweepImages& images, bool second, int v, int row, Worker* worker,
-                           SweepRow* out) {
+void Sweeps::fillPenalties(const SweepImages& images, bool second, int v, int row, int first_step,
+                           int end_step, Worker* worker, SweepRow* out) {
   // The second sweep reads the image turned by 180 degrees: mirrored, from the last row up.
   const PaddedImage& image = second ? *images.left_mirrored : *images.left;
   const auto pixels = [&](int of_v) { return image.row(second ? frame_.height - 1 - of_v : of_v); };
@@ -167,40 +185,42 @@ void Sweeps::fillPenalties(const SweepImages& images, bool second, int v, int ro
     previous[r] = pixels(v - kStep[r][1]) - kStep[r][0];
   }
   std::uint8_t* target = worker->penalties.data() + row * penalty_stride_;
-  penaltyRow(pixels(v), previous, kinds_[second].directions(v), frame_.width, penalty_table_,
-             target);
+  const int begin = std::max(0, first_step - kBandLag * row) & ~63;
+  const int end = std::min(frame_.width, end_step - kBandLag * row);
+  penaltyRow(pixels(v), previous, kinds_[second].directions(v), begin, end, penalty_table_, target);
   out->penalties = target;
 }
 
-void Sweeps::runBandOf(const SweepImages& images, bool second, int band, int threads,
-                       Worker* worker, cv::Mat* disparity) {
-  const int width = frame_.width, height = frame_.height;
-  const int first = band * kBandRows;
-  const int row_count = std::min(kBandRows, height - first);
+WinnerRow Sweeps::winnersOf(int y) {
+  const int width = frame_.width;
+  std::uint16_t* winners =
+      winners_.data() + static_cast<std::size_t>(4 * (y % winner_rows_)) * width;
+  return {winners, winners + width, winners + 2 * width, winners + 3 * width};
+}
+
+SweepRow Sweeps::makeRow(const SweepImages& images, bool second, int band, int index,
+                         int row_count) {
+  const int width = frame_.width;
+  const int v = band * kBandRows + index;
+  const int y = second ? frame_.height - 1 - v : v;
   const std::size_t census_row = censusPlanes(frame_.window) * censusStride(width);
-  SweepRow rows[kBandRows];
-  for (int i = 0; i < row_count; ++i) {
-    const int v = first + i;
-    const int y = second ? height - 1 - v : v;
-    SweepRow& row = rows[i];
-    row.kinds = kinds_[second].row(v);
-    row.kind_ends = kinds_[second].ends(v);
-    fillPenalties(images, second, v, i, worker, &row);
-    fillPathRows(band, i, row_count, threads, worker, &row);
-    row.left = images.left_census + y * census_row;
-    row.right = images.right_census + y * census_row;
-    row.volume = volume_.data() + static_cast<std::size_t>(y) * width * frame_.layout.padded_range;
-    row.winners = worker->winners.data() + static_cast<std::size_t>(i) * width;
-  }
-  runBand(frame_, second, rows, row_count, band > 0 ? &progress_[band - 1] : nullptr,
-          &progress_[band]);
-  if (!second) return;
-  for (int i = 0; i < row_count; ++i) {
-    const int y = height - 1 - (first + i);
-    int cell = 0;
+  SweepRow row{};
+  row.kinds = kinds_[second].row(v);
+  row.kind_ends = kinds_[second].ends(v);
+  fillPathRows(band, index, row_count, &row);
+  row.left = images.left_census + y * census_row;
+  row.right = images.right_census + y * census_row;
+  row.volume = volume_.data() + static_cast<std::size_t>(y) * width * frame_.layout.padded_range;
+  row.winners = winnersOf(y);
+  return row;
+}
+
+void Sweeps::selectRows(int first, int last, RightClaims* claims, cv::Mat* disparity) {
+  int cell = 0;
+  for (int y = first; y < last; ++y) {
     while (y >= plan_.row_edges[cell + 1]) ++cell;
-    selectRow(rows[i].winners, shifts_.data() + static_cast<std::size_t>(cell) * width, width,
-              config_, &worker->claims, disparity->ptr<std::int16_t>(y));
+    selectRow(winnersOf(y), shifts_.data() + static_cast<std::size_t>(cell) * frame_.width,
+              frame_.width, config_, claims, disparity->ptr<std::int16_t>(y));
   }
 }
 

@@ -2,7 +2,6 @@
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_SWEEPS_H
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -12,6 +11,7 @@
 #include "src/matching/aligned_buffer.h"
 #include "src/matching/pixel_kinds.h"
 #include "src/matching/row_selection.h"
+#include "src/matching/strips.h"
 #include "src/matching/sweep.h"
 #include "src/matching/thread_pool.h"
 
@@ -25,9 +25,8 @@ struct SweepImages {
   const std::uint8_t* right_census = nullptr;  // of the mirrored right image
 };
 
-/// Runs the two sweeps over an image: bands of rows go round the threads, each band follows the one
-/// above it as closely as its paths allow. Owns all buffers of path costs, and the volume between
-/// the sweeps.
+/// Runs the two sweeps over an image, band by band; the threads share each band by strips of
+/// columns. Owns all buffers of path costs, and the volume between the sweeps.
 class Sweeps {
  public:
   /// Makes buffers for the size and range where they are too small.
@@ -38,20 +37,18 @@ class Sweeps {
 
  private:
   struct Worker {
-    AlignedBuffer<std::uint8_t> rings;       // path costs of the rows within a band
-    std::vector<std::uint8_t*> ring_places;  // [row][u]
-    AlignedBuffer<std::uint8_t> penalties;   // [row][u][direction]
-    std::vector<Winner> winners;             // [row][x]
+    AlignedBuffer<std::uint8_t> penalties;  // [row of the band][penaltyPlace()]
     RightClaims claims;
   };
 
   void runSweep(const SweepImages& images, bool second, ThreadPool* pool, cv::Mat* disparity);
-  void runBandOf(const SweepImages& images, bool second, int band, int threads, Worker* worker,
-                 cv::Mat* disparity);
-  void placePathCosts(int threads);
-  void fillPathRows(int band, int row, int row_count, int threads, Worker* worker, SweepRow* out);
-  void fillPenalties(const SweepImages& images, bool second, int v, int row, Worker* worker,
-                     SweepRow* out);
+  void selectRows(int first, int last, RightClaims* claims, cv::Mat* disparity);
+  void placePathCosts();
+  SweepRow makeRow(const SweepImages& images, bool second, int band, int index, int row_count);
+  void fillPathRows(int band, int row, int row_count, SweepRow* out);
+  void fillPenalties(const SweepImages& images, bool second, int v, int row, int first_step,
+                     int end_step, Worker* worker, SweepRow* out);
+  WinnerRow winnersOf(int y);
 
   MatcherConfig config_;
   SweepFrame frame_;
@@ -60,12 +57,16 @@ class Sweeps {
   std::vector<std::uint8_t> shifts_;  // [row cell][x]
   PathPlan plan_;
   AlignedBuffer<std::uint16_t> volume_;
-  AlignedBuffer<std::uint8_t> boundary_rows_;   // two rows of path costs per slot
+  AlignedBuffer<std::uint16_t> winners_;  // [y % winner_rows_][part][x]
+  int winner_rows_ = 1;
+  AlignedBuffer<std::uint8_t> boundary_rows_;   // the last two rows of path costs of some bands
   std::vector<std::uint8_t*> boundary_places_;  // [row][u]
+  AlignedBuffer<std::uint8_t> rings_;           // path costs of the rows within some bands
+  std::vector<std::uint8_t*> ring_places_;      // [row][u]
+  int ring_sets_ = 0;                           // one per band
   AlignedBuffer<std::uint8_t> zero_pixel_;
   std::vector<std::uint8_t*> zero_places_;  // [u]
-  std::unique_ptr<BandProgress[]> progress_;
-  int progress_size_ = 0;
+  Strips strips_[2];
   std::vector<Worker> workers_;
   std::size_t penalty_stride_ = 0;
 };

@@ -1,4 +1,6 @@
-#include "thread_pool.h"
+#include "src/matching/thread_pool.h"
+
+#include "src/matching/patience.h"
 
 namespace adaptive_grid_stereo {
 
@@ -18,34 +20,38 @@ ThreadPool::~ThreadPool() {
 }
 
 void ThreadPool::run(const std::function<void(int)>& job) {
-  if (!workers_.empty()) {
+  if (workers_.empty()) return job(0);
+  {
     const std::lock_guard<std::mutex> lock(mutex_);
     job_ = &job;
     running_ = static_cast<int>(workers_.size());
     ++generation_;
-    start_.notify_all();
   }
+  start_.notify_all();
   job(0);
-  if (!workers_.empty()) {
-    std::unique_lock<std::mutex> lock(mutex_);
-    done_.wait(lock, [this] { return running_ == 0; });
+  for (Patience patience; !patience.isOver(); patience.pause()) {
+    if (running_ == 0) return;
   }
+  std::unique_lock<std::mutex> lock(mutex_);
+  done_.wait(lock, [this] { return running_ == 0; });
 }
 
 void ThreadPool::work(int index) {
   unsigned seen = 0;
+  const auto called = [&] { return stop_ || generation_ != seen; };
   for (;;) {
-    const std::function<void(int)>* job = nullptr;
-    {
+    for (Patience patience; !called() && !patience.isOver();) patience.pause();
+    if (!called()) {
       std::unique_lock<std::mutex> lock(mutex_);
-      start_.wait(lock, [&] { return stop_ || generation_ != seen; });
-      if (stop_) return;
-      seen = generation_;
-      job = job_;
+      start_.wait(lock, called);
     }
-    (*job)(index);
+    if (stop_) return;
+    seen = generation_;
+    (*job_)(index);
+    if (--running_ > 0) continue;
+    // Under the lock, so that run() does not begin to wait in between.
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (--running_ == 0) done_.notify_one();
+    done_.notify_one();
   }
 }
 

@@ -1,6 +1,7 @@
 #ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_THREAD_POOL_H
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_THREAD_POOL_H
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
@@ -22,19 +23,21 @@ class ThreadPool {
   int size() const { return static_cast<int>(workers_.size()) + 1; }
 
   /// Runs job(0) .. job(size - 1), each on its own thread, and returns when all are done. The job
-  /// must not throw. Not reentrant.
+  /// must not throw. Not reentrant. Threads that have finished keep spinning for some microseconds,
+  /// since one job of a frame follows the other; waking them up would take longer than some jobs
+  /// do.
   void run(const std::function<void(int)>& job);
 
  private:
   void work(int index);
 
   std::vector<std::thread> workers_;
-  std::mutex mutex_;
+  std::mutex mutex_;  // of the waits; what they wait for changes under it
   std::condition_variable start_, done_;
   const std::function<void(int)>* job_ = nullptr;
-  unsigned generation_ = 0;
-  int running_ = 0;
-  bool stop_ = false;
+  std::atomic<unsigned> generation_{0};
+  std::atomic<int> running_{0};
+  std::atomic<bool> stop_{false};
 };
 
 }  // namespace adaptive_grid_stereo

@@ -1,0 +1,59 @@
+#include "src/matching/strips.h"
+
+#include <algorithm>
+
+#include "src/matching/patience.h"
+
+namespace adaptive_grid_stereo {
+namespace {
+
+/// What is done once per pixel, in units of one path's work; measured.
+constexpr double kFixedWork = 14.0;
+
+/// Narrower strips spend too much of their time on waiting for each other [px].
+constexpr int kNarrowest = 64;
+static_assert(kNarrowest > 2 * Strips::kReach, "both ends of a strip must fit");
+
+/// Mean work per pixel of each column of cells.
+double workOf(const PathPlan& plan, int column) {
+  double work = 0.0;
+  for (int row = 0; row < 3; ++row) {
+    work += (kFixedWork + plan.paths[3 * row + column]) *
+            (plan.row_edges[row + 1] - plan.row_edges[row]);
+  }
+  return work;
+}
+
+}  // namespace
+
+void Strips::assign(const PathPlan& plan, int threads) {
+  const int width = plan.column_edges[3];
+  const int count = std::clamp(width / kNarrowest, 1, threads);
+  std::vector<double> work_before(width + 1, 0.0);
+  for (int column = 0; column < 3; ++column) {
+    const double work = workOf(plan, column);
+    for (int u = plan.column_edges[column]; u < plan.column_edges[column + 1]; ++u) {
+      work_before[u + 1] = work_before[u] + work;
+    }
+  }
+  // A band's rows lag behind each other, so the edges lie half a band's lag farther.
+  constexpr int kLag = kBandLag * (kBandRows - 1);
+  edges_.assign(1, -kPathMargin);
+  for (int strip = 1; strip < count; ++strip) {
+    const double share = work_before[width] * strip / count;
+    const auto place = std::lower_bound(work_before.begin(), work_before.end(), share);
+    const int step = static_cast<int>(place - work_before.begin()) + kLag / 2;
+    edges_.push_back(
+        std::clamp(step, edges_.back() + kNarrowest / 2, width - (count - strip) * kNarrowest / 2));
+  }
+  edges_.push_back(width + kPathMargin + kLag);
+  progress_ = std::vector<Progress>(count);
+}
+
+void Strips::wait(int strip, int value) const {
+  for (Patience patience; progress_[strip].value.load(std::memory_order_acquire) < value;) {
+    patience.pause();
+  }
+}
+
+}  // namespace adaptive_grid_stereo
