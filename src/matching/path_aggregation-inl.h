@@ -187,8 +187,9 @@ HWY_INLINE std::uint64_t SmallestLanes(D8 d, const V8* v) {
 }
 
 // The path costs of `kVectors` vectors of disparities from index k on, for all directions; returns
-// the sums of the transitions (the matching cost is added later, once for all directions). kPadded:
-// the padded range where it is known at compile time, else 0.
+// the sums of the transitions (the matching cost is added later, once for all directions). Those of
+// two directions are bytes, and stay together in `even`. kPadded: the padded range where it is
+// known at compile time, else 0.
 template <int kDirections, int kVectors, int kPadded>
 HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel, int padded_range,
                                  const V8* cost, int k, V8 penalty_small, V8* smallest,
@@ -222,12 +223,16 @@ HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel
       smallest[kB] = at == 0 ? cost_b : hn::Min(smallest[kB], cost_b);
       // Two transitions fit a byte. Their sums: `even` gathers even + 256 * odd modulo 65536.
       const V16 pair = hn::BitCast(d16, hn::Add(a, b));
+      if constexpr (kDirections == 2) {
+        sums[i].even = pair;
+        return;
+      }
       const V16 high = hn::ShiftRight<8>(pair);
       sums[i].even = kA == 0 ? pair : hn::Add(sums[i].even, pair);
       sums[i].odd = kA == 0 ? high : hn::Add(sums[i].odd, high);
     });
   });
-  for (int i = 0; i < kVectors; ++i) {
+  for (int i = 0; kDirections > 2 && i < kVectors; ++i) {
     sums[i].even = hn::Sub(sums[i].even, hn::ShiftLeft<8>(sums[i].odd));
   }
 }

@@ -150,19 +150,28 @@ struct PixelSweep {
         hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small)), smallest, sums);
   }
 
+  // Sums and costs of a vector, for the second sweep: side by side in 16 bits, or, where the sums
+  // fit bytes, one after the other.
   static HWY_INLINE void Pack(const SweepFrame& frame, V8 cost, const ByteSums& sums,
                               std::uint16_t* volume) {
     const D16 d;
+    if constexpr (kDirections == 2) return Put(frame, sums.even, hn::BitCast(d, cost), volume);
     const V16 cost16 = hn::BitCast(d, cost);
     const V16 even =
         hn::Or(hn::ShiftLeft<kCostBits>(sums.even), hn::And(cost16, hn::Set(d, kCostMask)));
     const V16 odd = hn::Or(hn::ShiftLeft<kCostBits>(sums.odd), hn::ShiftRight<8>(cost16));
+    Put(frame, even, odd, volume);
+  }
+
+  static HWY_INLINE void Put(const SweepFrame& frame, V16 first, V16 second,
+                             std::uint16_t* volume) {
+    const D16 d;
     if (frame.stream_volume) {
-      hn::Stream(even, d, volume);
-      hn::Stream(odd, d, volume + hn::Lanes(d));
+      hn::Stream(first, d, volume);
+      hn::Stream(second, d, volume + hn::Lanes(d));
     } else {
-      hn::Store(even, d, volume);
-      hn::Store(odd, d, volume + hn::Lanes(d));
+      hn::Store(first, d, volume);
+      hn::Store(second, d, volume + hn::Lanes(d));
     }
   }
 
@@ -176,9 +185,10 @@ struct PixelSweep {
   static HWY_INLINE V8 UnpackCost(const SweepFrame& frame, const std::uint16_t* volume, int k) {
     const D8 d;
     const D16 d16;
+    const V16 second = hn::Load(d16, volume + k + hn::Lanes(d16));
+    if constexpr (kDirections == 2) return hn::BitCast(d, second);
     const V16 mask = hn::Set(d16, kCostMask);
-    const V16 even = hn::And(hn::Load(d16, volume + k), mask);
-    const V16 odd = hn::And(hn::Load(d16, volume + k + hn::Lanes(d16)), mask);
+    const V16 even = hn::And(hn::Load(d16, volume + k), mask), odd = hn::And(second, mask);
     const V8 cost = hn::BitCast(d, hn::Or(even, hn::ShiftLeft<8>(odd)));
     return EndCosts(frame, k, cost);
   }
@@ -196,6 +206,15 @@ struct PixelSweep {
   static HWY_INLINE void AddFirstSweep(const std::uint16_t* volume, ByteSums* sums) {
     const D16 d;
     constexpr int kLogPaths = kDirections == 2 ? 2 : kDirections == 4 ? 3 : 4;
+    if constexpr (kDirections == 2) {
+      // As in AggregateVectors: the sum of the pairs is even + 256 * odd modulo 65536.
+      const V16 first = hn::Load(d, volume), cost = hn::Load(d, volume + hn::Lanes(d));
+      const V16 pair = hn::Add(hn::Add(sums->even, first), hn::ShiftLeft<kLogPaths>(cost));
+      sums->odd = hn::Add(hn::Add(hn::ShiftRight<8>(sums->even), hn::ShiftRight<8>(first)),
+                          hn::ShiftLeft<kLogPaths>(hn::ShiftRight<8>(cost)));
+      sums->even = hn::Sub(pair, hn::ShiftLeft<8>(sums->odd));
+      return;
+    }
     const auto add = [&](V16 sum, V16 packed) AGS_LAMBDA {
       const V16 cost = hn::ShiftLeft<kLogPaths>(hn::And(packed, hn::Set(d, kCostMask)));
       return hn::Add(hn::Add(sum, hn::ShiftRight<kCostBits>(packed)), cost);

@@ -85,6 +85,25 @@ TEST_F(ReferenceTest, yawAndPitchPlans) {
                   config_);
 }
 
+// Wide enough for each thread to have columns of its own.
+TEST_F(ReferenceTest, columnsSharedByThreads) {
+  for (const int width : {128, 190, 331}) {
+    const ImagePair wide = texturedPair(width, 22, 13, 5, width);
+    const int w = width;
+    expectReference(wide, uniformPlan(w, 22, 16), config_);
+    expectReference(wide,
+                    plan({0, w / 3, w - w / 3, w}, {0, 7, 15, 22}, {4, 8, 4, 8, 16, 8, 4, 8, 4}),
+                    config_);
+    expectReference(
+        wide, plan({0, w - 70, w - 2, w}, {0, 2, 21, 22}, {16, 8, 4, 16, 8, 4, 16, 8, 4}), config_);
+    expectReference(wide, plan({0, 63, 64, w}, {0, 4, 8, 22}, {4, 16, 8, 8, 4, 16, 16, 8, 4}),
+                    config_);
+  }
+  config_.uniqueness_ratio = 10.0;
+  config_.min_disparity = -7;
+  expectReference(texturedPair(331, 17, 13, 5, 2), uniformPlan(331, 17, 8), config_);
+}
+
 TEST_F(ReferenceTest, narrowAndEmptyCells) {
   expectReference(images_, plan({0, 1, 60, 61}, {0, 1, 36, 37}, {4, 16, 4, 16, 4, 16, 8, 16, 8}),
                   config_);
