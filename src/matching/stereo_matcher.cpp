@@ -1,6 +1,7 @@
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <stdexcept>
 #include <thread>
@@ -59,6 +60,7 @@ struct StereoMatcher::Impl {
   Sweeps sweeps;
   RegionBuffers regions;
   cv::Mat unfiltered;
+  std::atomic<bool> stop{false};
 
   void transform(const cv::Mat& left_image, const cv::Mat& right_image);
   void refine();
@@ -79,6 +81,8 @@ void StereoMatcher::setConfig(const MatcherConfig& config) {
 }
 
 const MatcherConfig& StereoMatcher::config() const { return impl_->config; }
+
+void StereoMatcher::cancel() { impl_->stop = true; }
 
 void StereoMatcher::Impl::transform(const cv::Mat& left_image, const cv::Mat& right_image) {
   left.reserve(left_image);
@@ -143,7 +147,8 @@ const MatchResult& StereoMatcher::match(const cv::Mat& left, const cv::Mat& righ
   impl.sweeps.prepare(left.cols, left.rows, impl.config, impl.pool->size());
   impl.sweeps.run(
       {&impl.left, &impl.left_mirrored, impl.left_census.data(), impl.right_census.data()}, plan,
-      impl.pool.get(), &impl.unfiltered);
+      impl.stop, impl.pool.get(), &impl.unfiltered);
+  if (impl.stop) throw MatchCancelled();
   result.times.sweeps = millisecondsSince(sweeps_start);
 
   const Clock::time_point refinement_start = Clock::now();

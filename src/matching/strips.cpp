@@ -26,7 +26,8 @@ double workOf(const PathPlan& plan, int column) {
 
 }  // namespace
 
-void Strips::assign(const PathPlan& plan, int threads) {
+void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* stop) {
+  stop_ = stop;
   const int width = plan.column_edges[3];
   const int count = std::clamp(width / kNarrowest, 1, threads);
   std::vector<double> work_before(width + 1, 0.0);
@@ -51,7 +52,8 @@ void Strips::assign(const PathPlan& plan, int threads) {
 }
 
 void Strips::wait(int strip, int value) const {
-  for (Patience patience; progress_[strip].value.load(std::memory_order_acquire) < value;) {
+  const std::atomic<int>& progress = progress_[strip].value;
+  for (Patience patience; progress.load(std::memory_order_acquire) < value && !*stop_;) {
     patience.pause();
   }
 }

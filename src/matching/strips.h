@@ -24,8 +24,9 @@ class Strips {
   static constexpr int kReach = kBandLag * (kBandRows - 1) + kPathMargin;
 
   /// At most `threads` strips of about the same work: that of a column grows with its paths. `plan`
-  /// is as the sweep sees it. Starts the progress anew.
-  void assign(const PathPlan& plan, int threads);
+  /// is as the sweep sees it. Starts the progress anew. Once `stop` is true, all strips end with
+  /// the band that they are in.
+  void assign(const PathPlan& plan, int threads, const std::atomic<bool>* stop);
 
   int count() const { return static_cast<int>(edges_.size()) - 1; }
   /// First step of a strip; that of count() is the end of the last one.
@@ -37,7 +38,7 @@ class Strips {
   template <class Prepare, class Work>
   void run(int strip, int bands, const Prepare& prepare, const Work& work) {
     const int begin = edge(strip), end = edge(strip + 1);
-    for (int band = 0; band < bands; ++band) {
+    for (int band = 0; band < bands && !*stop_; ++band) {
       prepare(band);
       if (count() == 1) {
         work(band, begin, end);
@@ -60,13 +61,14 @@ class Strips {
 
   static int begun(int band) { return 2 * band + 1; }
   static int finished(int band) { return 2 * band + 2; }
-  void wait(int strip, int value) const;  // for its progress to reach that value
+  void wait(int strip, int value) const;  // for its progress to reach that value, or the stop
   void tell(int strip, int value) {
     progress_[strip].value.store(value, std::memory_order_release);
   }
 
   std::vector<int> edges_;
   std::vector<Progress> progress_;
+  const std::atomic<bool>* stop_ = nullptr;
 };
 
 }  // namespace adaptive_grid_stereo

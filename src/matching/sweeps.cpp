@@ -104,8 +104,8 @@ void Sweeps::placePathCosts() {
   }
 }
 
-void Sweeps::run(const SweepImages& images, const PathPlan& plan, ThreadPool* pool,
-                 cv::Mat* disparity) {
+void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
+                 ThreadPool* pool, cv::Mat* disparity) {
   if (plan_ != plan) {
     plan_ = plan;
     for (const bool second : {false, true}) kinds_[second].assign(plan, second);
@@ -116,8 +116,8 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, ThreadPool* po
       std::fill(row + plan.column_edges[cell % 3], row + plan.column_edges[cell % 3 + 1], shift);
     }
   }
-  for (const bool second : {false, true}) runSweep(images, second, pool, disparity);
-  if (pool->size() == 1) return;  // selected on the way
+  for (const bool second : {false, true}) runSweep(images, second, stop, pool, disparity);
+  if (stop || pool->size() == 1) return;  // selected on the way
   pool->run([&](int thread) {
     const int height = frame_.height, threads = pool->size();
     selectRows(height * thread / threads, height * (thread + 1) / threads, &workers_[thread].claims,
@@ -125,11 +125,11 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, ThreadPool* po
   });
 }
 
-void Sweeps::runSweep(const SweepImages& images, bool second, ThreadPool* pool,
-                      cv::Mat* disparity) {
+void Sweeps::runSweep(const SweepImages& images, bool second, const std::atomic<bool>& stop,
+                      ThreadPool* pool, cv::Mat* disparity) {
   const int bands = (frame_.height + kBandRows - 1) / kBandRows;
   Strips& strips = strips_[second];
-  strips.assign(second ? turned(plan_) : plan_, pool->size());
+  strips.assign(second ? turned(plan_) : plan_, pool->size(), &stop);
   pool->run([&](int thread) {
     if (thread >= strips.count()) return;
     SweepRow rows[kBandRows];

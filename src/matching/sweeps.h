@@ -1,6 +1,7 @@
 #ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_SWEEPS_H
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_SWEEPS_H
 
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -32,8 +33,10 @@ class Sweeps {
   /// Makes buffers for the size and range where they are too small.
   void prepare(int width, int height, const MatcherConfig& config, int threads);
 
-  /// disparity: CV_16SC1 of the image's size, filled with the disparities before refinement.
-  void run(const SweepImages& images, const PathPlan& plan, ThreadPool* pool, cv::Mat* disparity);
+  /// disparity: CV_16SC1 of the image's size, filled with the disparities before refinement, unless
+  /// `stop` becomes true: then it is left unfinished.
+  void run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
+           ThreadPool* pool, cv::Mat* disparity);
 
  private:
   struct Worker {
@@ -41,7 +44,8 @@ class Sweeps {
     RightClaims claims;
   };
 
-  void runSweep(const SweepImages& images, bool second, ThreadPool* pool, cv::Mat* disparity);
+  void runSweep(const SweepImages& images, bool second, const std::atomic<bool>& stop,
+                ThreadPool* pool, cv::Mat* disparity);
   void selectRows(int first, int last, RightClaims* claims, cv::Mat* disparity);
   void placePathCosts();
   SweepRow makeRow(const SweepImages& images, bool second, int band, int index, int row_count);

@@ -87,6 +87,7 @@ DisparityNodelet::~DisparityNodelet() {
   if (sync_) sync_->unsubscribe();
   if (motion_) motion_->unsubscribe();
   if (mailbox_) mailbox_->stop();
+  if (processor_) processor_->cancel();
   if (worker_.joinable()) worker_.join();
 }
 
@@ -222,6 +223,8 @@ void DisparityNodelet::work() {
   while (mailbox_->take(frame)) {
     try {
       processFrame(frame);
+    } catch (const MatchCancelled&) {
+      return;
     } catch (const std::exception& error) {
       diagnostics_->onFailure(error.what());
       if (failures_.pass(error.what())) {

@@ -1,5 +1,8 @@
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
 
+#include <chrono>
+#include <thread>
+
 #include <gtest/gtest.h>
 
 #include "test/matching/random_images.h"
@@ -222,6 +225,24 @@ TEST(StereoMatcher, reusesItsBuffersForAnySequenceOfFrames) {
     const PathPlan uniform = uniformPlan(round[0], round[1], round[3]);
     EXPECT_TRUE(sameBits(reference::match(images.left, images.right, uniform, config),
                          matcher.match(images.left, images.right, uniform).disparity));
+  }
+}
+
+TEST(StereoMatcher, endsWhenItIsCancelled) {
+  const ImagePair images = texturedPair(1500, 1500, 20, 5, 1);
+  for (const int threads : {1, 2, 5}) {
+    MatcherConfig config;
+    config.disparity_range = 512;
+    config.threads = threads;
+    StereoMatcher matcher(config);
+    const PathPlan everywhere = uniformPlan(1500, 1500, 16);
+    std::thread elsewhere([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      matcher.cancel();
+    });
+    EXPECT_THROW(for (;;) matcher.match(images.left, images.right, everywhere), MatchCancelled);
+    elsewhere.join();
+    EXPECT_THROW(matcher.match(images.left, images.right, everywhere), MatchCancelled);
   }
 }
 

@@ -182,10 +182,10 @@ class ProcessFaults(unittest.TestCase):
         """The node ends by itself, without crash, whatever it is doing."""
         for attempt in range(3):
             name_space = "/shutdown%d" % attempt
-            node = self.start_node(name_space, "_disparity_range:=128")
+            node = self.start_node(name_space, "_disparity_range:=512")
             camera = Camera(name_space)
             self.assertTrue(camera.is_served())
-            camera.publish(1280, 720)
+            camera.publish(1600, 1200)
             time.sleep(0.05 + 0.1 * attempt)
             start = time.monotonic()
             os.killpg(node.pid, signal.SIGINT)

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include <opencv2/core.hpp>
@@ -37,9 +38,15 @@ struct MatchResult {
   StageTimes times;
 };
 
+/// What match() throws after cancel().
+struct MatchCancelled : std::runtime_error {
+  MatchCancelled() : std::runtime_error("the matcher was told to stop") {}
+};
+
 /// Census semi-global matching with a path plan. Owns its buffers and its threads; buffers are made
 /// anew only when the image's size or the disparity range grows. Not thread safe: one matcher, one
-/// caller at a time. Results are the same bits for any number of threads and any SIMD target.
+/// caller at a time, but for cancel(). Results are the same bits for any number of threads and any
+/// SIMD target.
 class StereoMatcher {
  public:
   /// Throws std::invalid_argument if config.validate() would change anything.
@@ -54,8 +61,13 @@ class StereoMatcher {
 
   /// left, right: rectified CV_8UC1 of one size, at least kMinImageSide a side; plan: for that
   /// size. The result belongs to the matcher and is overwritten by the next call. Throws
-  /// std::invalid_argument with the value found if the images or the plan are not so.
+  /// std::invalid_argument with the value found if the images or the plan are not so, and
+  /// MatchCancelled after cancel().
   const MatchResult& match(const cv::Mat& left, const cv::Mat& right, const PathPlan& plan);
+
+  /// Ends the match() under way within a few image rows' work, and every later one: for a shutdown
+  /// that must not wait for a large frame. May be called from any thread.
+  void cancel();
 
  private:
   struct Impl;

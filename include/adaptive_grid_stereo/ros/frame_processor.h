@@ -68,6 +68,10 @@ class FrameProcessor {
   FrameResult process(const StereoPair& pair, const StereoGeometry& geometry, const Motion& motion,
                       const WantedOutputs& wanted = WantedOutputs());
 
+  /// Ends the frame under way, and every later one, by MatchCancelled. May be called from any
+  /// thread.
+  void cancel() { matcher_.cancel(); }
+
   /// Forgets the flight state and the governor's history (stamps that start over).
   void reset();
 
