@@ -197,7 +197,8 @@ struct PixelSweep {
   static HWY_INLINE V8 EndCosts(const SweepFrame& frame, int k, V8 cost) {
     const D8 d;
     const int range = frame.layout.range;
-    if (kPadded > 0 || k + static_cast<int>(hn::Lanes(d)) <= range) return cost;
+    if (kPadded > 0 && kPlace == Place::kInner) return cost;
+    if (k + static_cast<int>(hn::Lanes(d)) <= range) return cost;
     return hn::IfThenElse(hn::FirstN(d, std::max(0, range - k)), cost,
                           hn::Set(d, std::uint8_t{255}));
   }
@@ -328,7 +329,6 @@ HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row
   if (IsLongRange(frame.layout)) {
     return SweepKind<0, Place::kLongRange, kSecondSweep>(frame, rows, row_count, kind, begin, end);
   }
-  if (frame.layout.range < frame.layout.padded_range) return run(std::integral_constant<int, 0>());
   switch (frame.layout.padded_range) {
     case 64:
       return run(std::integral_constant<int, 64>());
@@ -364,15 +364,18 @@ HWY_ATTR void SweepStep(const SweepFrame& frame, const SweepRow& row, int u, boo
   }
 }
 
-// Columns whose disparities all stay inside the right image; none if no kernel makes use of that.
+// Columns whose disparities all stay inside the right image; none if no kernel makes use of that:
+// those for a usual padded range need it filled.
 struct InnerColumns {
   int begin, end;
   bool holds(int u) const { return u >= begin && u < end; }
 };
 
 HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame, bool second_sweep) {
-  if (IsLongRange(frame.layout)) return {0, 0};
-  const int begin = std::max(0, frame.min_disparity + frame.layout.range - 1);
+  const PathLayout& layout = frame.layout;
+  const bool usual = layout.padded_range == 64 || layout.padded_range == 128;
+  if (IsLongRange(layout) || (usual && layout.range < layout.padded_range)) return {0, 0};
+  const int begin = std::max(0, frame.min_disparity + layout.range - 1);
   const int end = std::min(frame.width, frame.width + frame.min_disparity);
   if (second_sweep) return {frame.width - end, frame.width - begin};
   return {begin, end};
