@@ -5,28 +5,17 @@
 #include <cstdio>
 
 #include <image_transport/image_transport.h>
-#include <message_filters/sync_policies/approximate_time.h>
-#include <message_filters/sync_policies/exact_time.h>
-#include <message_filters/synchronizer.h>
 #include <ros/ros.h>
 
 #include "adaptive_grid_stereo/ros/stamps.h"
+#include "adaptive_grid_stereo/ros/stereo_pairing.h"
 #include "rate_meter.h"
 
 namespace adaptive_grid_stereo {
 namespace {
 
-using sensor_msgs::CameraInfo;
 using sensor_msgs::CameraInfoConstPtr;
-using sensor_msgs::Image;
 using sensor_msgs::ImageConstPtr;
-using ExactPolicy = message_filters::sync_policies::ExactTime<Image, Image, CameraInfo, CameraInfo>;
-using ApproximatePolicy =
-    message_filters::sync_policies::ApproximateTime<Image, Image, CameraInfo, CameraInfo>;
-
-/// So many late pairs in a row mean that the stamps started over by less than
-/// StampWatch::kJump.
-constexpr int kLatePairsOfAJump = 5;
 
 double steadyNow() { return ros::SteadyTime::now().toSec(); }
 
@@ -87,7 +76,11 @@ struct StereoSync::Impl {
         options(options_in),
         transport(handle),
         on_pair(std::move(on_pair_in)),
-        on_jump(std::move(on_jump_in)) {
+        on_jump(std::move(on_jump_in)),
+        pairing(
+            {options.approximate, options.max_interval, options.queue_size},
+            [this](const ReceivedPair& received) { onPair(received.pair); },
+            [this](const ros::Time& stamp) { onJump(stamp); }) {
     topics.left_image = handle.resolveName("left/image_rect");
     topics.right_image = handle.resolveName("right/image_rect");
     topics.left_info = handle.resolveName("left/camera_info");
@@ -100,14 +93,14 @@ struct StereoSync::Impl {
     subscribed = true;
     last_pair = steadyNow();
     for (Input& input : inputs) input.last_arrival = last_pair;
-    startOver();
+    pairing.startOver();
     const image_transport::TransportHints hints(options.image_transport, ros::TransportHints(),
                                                 private_handle);
     const auto depth = static_cast<unsigned>(options.queue_size);
-    left = transport.subscribe(topics.left_image, depth, &Impl::addImage<0>, this, hints);
-    right = transport.subscribe(topics.right_image, depth, &Impl::addImage<1>, this, hints);
-    left_info = handle.subscribe(topics.left_info, depth, &Impl::addInfo<2>, this);
-    right_info = handle.subscribe(topics.right_info, depth, &Impl::addInfo<3>, this);
+    left = transport.subscribe(topics.left_image, depth, &Impl::addLeft, this, hints);
+    right = transport.subscribe(topics.right_image, depth, &Impl::addRight, this, hints);
+    left_info = handle.subscribe(topics.left_info, depth, &Impl::addLeftInfo, this);
+    right_info = handle.subscribe(topics.right_info, depth, &Impl::addRightInfo, this);
     timer = handle.createSteadyTimer(ros::WallDuration(1.0), &Impl::onTimer, this);
   }
 
@@ -124,84 +117,33 @@ struct StereoSync::Impl {
   }
 
   // Messages ------------------------------------------------------------------------------------
-  template <int index>
-  void addImage(const ImageConstPtr& message) {
-    add<index>(message);
-  }
-  template <int index>
-  void addInfo(const CameraInfoConstPtr& message) {
-    add<index>(message);
-  }
+  void addLeft(const ImageConstPtr& image) { pairing.addLeft(image, arrival(0)); }
+  void addRight(const ImageConstPtr& image) { pairing.addRight(image, arrival(1)); }
+  void addLeftInfo(const CameraInfoConstPtr& info) { pairing.addLeftInfo(info, arrival(2)); }
+  void addRightInfo(const CameraInfoConstPtr& info) { pairing.addRightInfo(info, arrival(3)); }
 
-  /// The synchroniser is fed by hand, so that it can be replaced before a message goes in.
-  template <int index, typename MessagePtr>
-  void add(const MessagePtr& message) {
-    if (stampsJump(index, message->header.stamp)) announceJump(message->header.stamp);
-    if (exact) exact->template add<index>(message);
-    if (approximate) approximate->template add<index>(message);
-  }
-
-  bool stampsJump(int index, const ros::Time& stamp) {
+  /// Notes that a message has come on that input; returns the time.
+  ros::Time arrival(int index) {
     Input& input = inputs[index];
     ++input.received;
     input.last_arrival = steadyNow();
     input.meter.tick(input.last_arrival);
-    const bool jumped = stamps.startsOver(index, stamp);
-    if (jumped) {
-      startOver();
-      ++clock_jumps;
-    }
-    return jumped;
+    return ros::Time::now();
   }
 
-  void onPair(const ImageConstPtr& left_image, const ImageConstPtr& right_image,
-              const CameraInfoConstPtr& left_camera, const CameraInfoConstPtr& right_camera) {
-    bool jumped = false;
-    {
-      const ros::Time stamp = left_image->header.stamp;
-      // A driver that never stamps gives zeros; those count as new each time.
-      if (!stamp.isZero() && stamp <= last_stamp) {
-        ++out_of_order;
-        jumped = ++late_pairs >= kLatePairsOfAJump && stamp < last_stamp;
-        if (!jumped) return;
-        ++clock_jumps;
-      }
-      late_pairs = 0;
-      last_stamp = stamp;
-      last_pair = steadyNow();
-      pair_meter.tick(last_pair);
-      ++pairs;
-      max_stamp_difference = std::max(max_stamp_difference,
-                                      std::abs(secondsBetween(right_image->header.stamp, stamp)));
-    }
-    if (jumped) announceJump(left_image->header.stamp);
-    on_pair(StereoPair{left_image, right_image, left_camera, right_camera});
+  void onPair(const StereoPair& pair) {
+    last_pair = steadyNow();
+    pair_meter.tick(last_pair);
+    ++pairs;
+    max_stamp_difference =
+        std::max(max_stamp_difference,
+                 std::abs(secondsBetween(pair.right->header.stamp, pair.left->header.stamp)));
+    on_pair(pair);
   }
 
-  void announceJump(const ros::Time& stamp) {
+  void onJump(const ros::Time& stamp) {
     ROS_INFO("%s: stamps jumped; synchronisation and motion start over", topics.left_image.c_str());
     on_jump(stamp);
-  }
-
-  /// A fresh synchroniser, without memory; never from inside a synchroniser.
-  void startOver() {
-    last_stamp = ros::Time();
-    late_pairs = 0;
-    exact.reset();
-    approximate.reset();
-    const auto depth = static_cast<unsigned>(options.queue_size);
-    if (options.approximate) {
-      ApproximatePolicy policy(depth);
-      if (options.max_interval > 0.0) {
-        policy.setMaxIntervalDuration(ros::Duration(options.max_interval));
-      }
-      approximate =
-          std::make_unique<message_filters::Synchronizer<ApproximatePolicy>>(std::move(policy));
-      approximate->registerCallback(&Impl::onPair, this);
-    } else {
-      exact = std::make_unique<message_filters::Synchronizer<ExactPolicy>>(ExactPolicy(depth));
-      exact->registerCallback(&Impl::onPair, this);
-    }
   }
 
   // Reports -------------------------------------------------------------------------------------
@@ -218,7 +160,7 @@ struct StereoSync::Impl {
       input.received = inputs[i].received;
       input.rate = inputs[i].meter.rate(now);
       input.silence = now - inputs[i].last_arrival;
-      input.newest_stamp = stamps.newest(i).toSec();
+      input.newest_stamp = pairing.newestStamp(i).toSec();
     }
     if (subscribed) {
       report.inputs[0].publishers = left.getNumPublishers();
@@ -227,9 +169,10 @@ struct StereoSync::Impl {
       report.inputs[3].publishers = right_info.getNumPublishers();
     }
     report.pairs = pairs;
-    report.out_of_order = out_of_order;
-    report.unmatched = inputs[0].received - std::min(inputs[0].received, pairs + out_of_order);
-    report.clock_jumps = clock_jumps;
+    report.out_of_order = pairing.dropped();
+    report.unmatched =
+        inputs[0].received - std::min(inputs[0].received, pairs + report.out_of_order);
+    report.clock_jumps = pairing.clockJumps();
     report.pair_rate = pair_meter.rate(now);
     report.silence = now - last_pair;
     report.max_stamp_difference = max_stamp_difference;
@@ -262,17 +205,11 @@ struct StereoSync::Impl {
   ros::SteadyTimer timer;
 
   bool subscribed = false;
-  std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact;
-  std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate;
   std::array<Input, 4> inputs;
-  StampWatch stamps;
-  ros::Time last_stamp;
-  int late_pairs = 0;
+  StereoPairing pairing;
   double last_pair = 0.0;
   RateMeter pair_meter;
   std::uint64_t pairs = 0;
-  std::uint64_t out_of_order = 0;
-  std::uint64_t clock_jumps = 0;
   double max_stamp_difference = 0.0;
   double next_advice = 0.0;
 };

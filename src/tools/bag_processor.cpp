@@ -7,7 +7,7 @@
 #include "adaptive_grid_stereo/ros/input_check.h"
 #include "adaptive_grid_stereo/ros/motion_subscriber.h"
 #include "adaptive_grid_stereo/ros/stamps.h"
-#include "bag_pairs.h"
+#include "adaptive_grid_stereo/ros/stereo_pairing.h"
 #include "grid_state_csv.h"
 #include "raw_message.h"
 #include "rectifier.h"
@@ -29,7 +29,7 @@ class BagProcessor {
         motion_(job.config.motion),
         processor_(job.config.processor),
         pairs_(
-            pairingOptions(job.config), [this](const RecordedPair& p) { pending_.push_back(p); },
+            pairingOptions(job.config), [this](const ReceivedPair& p) { pending_.push_back(p); },
             [this](const ros::Time& stamp) { onJump(stamp); }) {
     limits_.baseline = job.config.baseline;
     if (job.config.approximate_sync) {
@@ -126,7 +126,7 @@ class BagProcessor {
 
   /// Pairs that have waited long enough by the time at which the recording has arrived.
   void processUntil(const ros::Time& now) {
-    while (!pending_.empty() && secondsBetween(pending_.front().recorded, now) >= kLookAhead) {
+    while (!pending_.empty() && secondsBetween(pending_.front().received, now) >= kLookAhead) {
       processNext();
     }
   }
@@ -136,7 +136,7 @@ class BagProcessor {
   }
 
   void processNext() {
-    const RecordedPair pair = pending_.front();
+    const ReceivedPair pair = pending_.front();
     pending_.pop_front();
     std::string fault;
     try {
@@ -152,7 +152,7 @@ class BagProcessor {
   }
 
   /// Why the pair was refused; empty if it was not.
-  std::string process(const RecordedPair& recorded) {
+  std::string process(const ReceivedPair& recorded) {
     StereoPair pair = recorded.pair;
     rectify(&pair);
     const InputVerdict verdict = checkPair(pair, limits_, names_);
@@ -164,11 +164,11 @@ class BagProcessor {
     frame.grid_state->latency = 0.0;
     frame.grid_state->frames_dropped =
         static_cast<std::uint32_t>(report_.refused + pairs_.dropped());
-    write("disparity", recorded.recorded, *frame.disparity);
-    write("grid_state", recorded.recorded, *frame.grid_state);
-    if (frame.depth) write("depth", recorded.recorded, *frame.depth);
-    if (frame.overlay) write("grid_overlay", recorded.recorded, *frame.overlay);
-    if (frame.disparity_color) write("disparity_color", recorded.recorded, *frame.disparity_color);
+    write("disparity", recorded.received, *frame.disparity);
+    write("grid_state", recorded.received, *frame.grid_state);
+    if (frame.depth) write("depth", recorded.received, *frame.depth);
+    if (frame.overlay) write("grid_overlay", recorded.received, *frame.overlay);
+    if (frame.disparity_color) write("disparity_color", recorded.received, *frame.disparity_color);
     if (csv_) *csv_ << toCsvLine(*frame.grid_state);
     ++report_.frames;
     ++report_.states[toString(frame.state)];
@@ -202,12 +202,12 @@ class BagProcessor {
   std::ostream* csv_;
   MotionSubscriber motion_;
   FrameProcessor processor_;
-  BagPairs pairs_;
+  StereoPairing pairs_;
   Rectifier left_rectifier_;
   Rectifier right_rectifier_;
   InputLimits limits_;
   InputTopics names_;
-  std::deque<RecordedPair> pending_;
+  std::deque<ReceivedPair> pending_;
   BagReport report_;
 };
 

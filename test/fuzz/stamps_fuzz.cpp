@@ -2,7 +2,7 @@
 
 #include <boost/make_shared.hpp>
 
-#include "bag_pairs.h"
+#include "adaptive_grid_stereo/ros/stereo_pairing.h"
 #include "test/fuzz/fuzz_input.h"
 
 namespace {
@@ -30,7 +30,7 @@ boost::shared_ptr<const Message> stamped(const ros::Time& stamp) {
   return message;
 }
 
-void feed(BagPairs* pairs, int side, const ros::Time& stamp) {
+void feed(StereoPairing* pairs, int side, const ros::Time& stamp) {
   const ros::Time recorded(5000, 0);
   if (side == 0) pairs->addLeft(stamped<sensor_msgs::Image>(stamp), recorded);
   if (side == 1) pairs->addRight(stamped<sensor_msgs::Image>(stamp), recorded);
@@ -48,8 +48,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.max_interval = input.between(0, 2) * 0.01;
   options.queue_size = input.between(2, 8);
   ros::Time served;
-  BagPairs pairs(
-      options, [&](const RecordedPair& pair) { served = pair.pair.left->header.stamp; },
+  StereoPairing pairs(
+      options, [&](const ReceivedPair& pair) { served = pair.pair.left->header.stamp; },
       [](const ros::Time&) {});
   while (input.left() > 0) {
     const int side = input.between(0, 4);

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <sensor_msgs/image_encodings.h>
 
-#include "bag_pairs.h"
+#include "adaptive_grid_stereo/ros/stereo_pairing.h"
 #include "bag_topics.h"
 #include "grid_state_csv.h"
 #include "rectifier.h"
@@ -89,14 +89,14 @@ boost::shared_ptr<const Message> stamped(double stamp) {
   return message;
 }
 
-TEST(BagPairs, PairsByStampWithTheTimeOfTheLeftImage) {
+TEST(StereoPairing, PairsByStampWithTheTimeOfTheLeftImage) {
   ros::Time::init();
   std::vector<std::pair<double, double>> pairs;
   int jumps = 0;
-  BagPairs assembler(
+  StereoPairing assembler(
       PairingOptions(),
-      [&](const RecordedPair& pair) {
-        pairs.emplace_back(pair.pair.left->header.stamp.toSec(), pair.recorded.toSec());
+      [&](const ReceivedPair& pair) {
+        pairs.emplace_back(pair.pair.left->header.stamp.toSec(), pair.received.toSec());
       },
       [&](const ros::Time& stamp) {
         EXPECT_EQ(stamp, ros::Time(3.0));

@@ -1,4 +1,4 @@
-#include "bag_pairs.h"
+#include "adaptive_grid_stereo/ros/stereo_pairing.h"
 
 #include <utility>
 
@@ -25,21 +25,23 @@ constexpr int kLatePairsOfAJump = 5;
 
 }  // namespace
 
-struct BagPairs::Impl {
-  Impl(const PairingOptions& options_in, std::function<void(const RecordedPair&)> on_pair_in,
+struct StereoPairing::Impl {
+  Impl(const PairingOptions& options_in, std::function<void(const ReceivedPair&)> on_pair_in,
        std::function<void(const ros::Time&)> on_jump_in)
       : options(options_in), on_pair(std::move(on_pair_in)), on_jump(std::move(on_jump_in)) {
     startOver();
   }
 
   template <int index, typename Message>
-  void add(const boost::shared_ptr<const Message>& message, const ros::Time& recorded) {
+  void add(const boost::shared_ptr<const Message>& message, const ros::Time& received) {
     const ros::Time stamp = message->header.stamp;
+    // The synchroniser is fed by hand, so that it can be replaced before a message goes in.
     if (stamps.startsOver(index, stamp)) {
       startOver();
+      ++clock_jumps;
       on_jump(stamp);
     }
-    const Event<Message> event(message, recorded);
+    const Event<Message> event(message, received);
     if (exact) exact->template add<index>(event);
     if (approximate) approximate->template add<index>(event);
   }
@@ -47,20 +49,23 @@ struct BagPairs::Impl {
   void onPair(const Event<Image>& left, const Event<Image>& right,
               const Event<CameraInfo>& left_info, const Event<CameraInfo>& right_info) {
     const ros::Time stamp = left.getConstMessage()->header.stamp;
+    // A driver that never stamps gives zeros; those count as new each time.
     if (!stamp.isZero() && stamp <= last_stamp) {
       ++dropped;
       if (++late_pairs < kLatePairsOfAJump || stamp == last_stamp) return;
+      ++clock_jumps;
       on_jump(stamp);
     }
     late_pairs = 0;
     last_stamp = stamp;
-    RecordedPair pair;
+    ReceivedPair pair;
     pair.pair = {left.getConstMessage(), right.getConstMessage(), left_info.getConstMessage(),
                  right_info.getConstMessage()};
-    pair.recorded = left.getReceiptTime();
+    pair.received = left.getReceiptTime();
     on_pair(pair);
   }
 
+  /// A fresh synchroniser, without memory; never from inside a synchroniser.
   void startOver() {
     last_stamp = ros::Time();
     late_pairs = 0;
@@ -82,36 +87,42 @@ struct BagPairs::Impl {
   }
 
   PairingOptions options;
-  std::function<void(const RecordedPair&)> on_pair;
+  std::function<void(const ReceivedPair&)> on_pair;
   std::function<void(const ros::Time&)> on_jump;
   std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact;
   std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate;
   StampWatch stamps;
   ros::Time last_stamp;
   int late_pairs = 0;
-  long dropped = 0;
+  std::uint64_t dropped = 0;
+  std::uint64_t clock_jumps = 0;
 };
 
-BagPairs::BagPairs(const PairingOptions& options, std::function<void(const RecordedPair&)> on_pair,
-                   std::function<void(const ros::Time&)> on_jump)
+StereoPairing::StereoPairing(const PairingOptions& options,
+                             std::function<void(const ReceivedPair&)> on_pair,
+                             std::function<void(const ros::Time&)> on_jump)
     : impl_(std::make_unique<Impl>(options, std::move(on_pair), std::move(on_jump))) {}
 
-BagPairs::~BagPairs() = default;
+StereoPairing::~StereoPairing() = default;
 
-void BagPairs::addLeft(const sensor_msgs::ImageConstPtr& image, const ros::Time& recorded) {
-  impl_->add<0>(image, recorded);
+void StereoPairing::addLeft(const sensor_msgs::ImageConstPtr& image, const ros::Time& received) {
+  impl_->add<0>(image, received);
 }
-void BagPairs::addRight(const sensor_msgs::ImageConstPtr& image, const ros::Time& recorded) {
-  impl_->add<1>(image, recorded);
+void StereoPairing::addRight(const sensor_msgs::ImageConstPtr& image, const ros::Time& received) {
+  impl_->add<1>(image, received);
 }
-void BagPairs::addLeftInfo(const sensor_msgs::CameraInfoConstPtr& info, const ros::Time& recorded) {
-  impl_->add<2>(info, recorded);
+void StereoPairing::addLeftInfo(const sensor_msgs::CameraInfoConstPtr& info,
+                                const ros::Time& received) {
+  impl_->add<2>(info, received);
 }
-void BagPairs::addRightInfo(const sensor_msgs::CameraInfoConstPtr& info,
-                            const ros::Time& recorded) {
-  impl_->add<3>(info, recorded);
+void StereoPairing::addRightInfo(const sensor_msgs::CameraInfoConstPtr& info,
+                                 const ros::Time& received) {
+  impl_->add<3>(info, received);
 }
 
-long BagPairs::dropped() const { return impl_->dropped; }
+void StereoPairing::startOver() { impl_->startOver(); }
+std::uint64_t StereoPairing::dropped() const { return impl_->dropped; }
+std::uint64_t StereoPairing::clockJumps() const { return impl_->clock_jumps; }
+ros::Time StereoPairing::newestStamp(int input) const { return impl_->stamps.newest(input); }
 
 }  // namespace adaptive_grid_stereo
