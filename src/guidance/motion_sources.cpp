@@ -230,12 +230,18 @@ Eigen::Quaterniond MotionSources::turn(const std::string& source, double from, d
 bool MotionSources::ready(double time, const MotionConfig& config) const {
   const double timeout = config.motion_timeout;
   if (!delivered(imu, time, timeout)) return false;
-  const bool odom_speed = allowed(config.speed_source, "odom") && isFresh(odom, time, timeout);
-  const bool odom_rate = allowed(config.rate_source, "odom") && !isFresh(imu, time, timeout);
+  // A source that fades in or out leaves a share to the next one.
+  const auto suffices = [&](const char* name, const auto& samples) {
+    return allowed(config.speed_source, name) && isFresh(samples, time, timeout) &&
+           weightAt(samples, time, timeout) >= 1.0;
+  };
+  const bool odom_speed = allowed(config.speed_source, "odom");
+  const bool odom_rate = allowed(config.rate_source, "odom") &&
+                         !(isFresh(imu, time, timeout) && weightAt(imu, time, timeout) >= 1.0);
   if ((odom_speed || odom_rate) && !delivered(odom, time, timeout)) return false;
-  if (odom_speed) return true;
-  const bool gps_speed = allowed(config.speed_source, "gps_vel") && isFresh(gps_vel, time, timeout);
-  if (gps_speed) return delivered(gps_vel, time, timeout);
+  if (suffices("odom", odom)) return true;
+  if (allowed(config.speed_source, "gps_vel") && !delivered(gps_vel, time, timeout)) return false;
+  if (suffices("gps_vel", gps_vel)) return true;
   return !allowed(config.speed_source, "gps_fix") || delivered(gps_fix, time, timeout);
 }
 

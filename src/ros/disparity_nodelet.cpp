@@ -23,6 +23,10 @@
 
 namespace adaptive_grid_stereo {
 
+/// Messages that wait where every frame counts: a recording may be played faster than it is
+/// matched.
+constexpr int kBurst = 100;
+
 /// Stereo pairs and motion in, disparity and grid state out.
 ///
 /// Threads: images, reconfiguration, connections and timers run in the single-threaded queue,
@@ -118,7 +122,8 @@ void DisparityNodelet::setUp() {
   motion_->subscribe(getMTNodeHandle());
   worker_ = std::thread([this] { work(); });
   const std::lock_guard<std::mutex> lock(connect_mutex_);
-  outputs_ = std::make_unique<Outputs>(getNodeHandle(), [this] { onConnection(); });
+  outputs_ = std::make_unique<Outputs>(getNodeHandle(), config_.process_every_frame ? kBurst : 1,
+                                       [this] { onConnection(); });
   if (!config_.lazy) sync_->subscribe();
 }
 
@@ -128,7 +133,7 @@ void DisparityNodelet::setUpSync() {
   options.max_interval = config_.approximate_sync_max_interval;
   // Where every frame counts, a burst must not overrun the subscribers' queues.
   options.queue_size =
-      config_.process_every_frame ? std::max(config_.queue_size, 100) : config_.queue_size;
+      config_.process_every_frame ? std::max(config_.queue_size, kBurst) : config_.queue_size;
   options.image_transport = config_.image_transport;
   sync_ = std::make_unique<StereoSync>(
       getNodeHandle(), getPrivateNodeHandle(), options,

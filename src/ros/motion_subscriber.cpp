@@ -92,7 +92,9 @@ void MotionSubscriber::Impl::accept(Source source, const Message& message) {
 
 template <typename Message>
 ros::Subscriber MotionSubscriber::Impl::listen(ros::NodeHandle& nh, Source source) {
-  constexpr std::uint32_t kQueue = 200;
+  // Ten seconds of a fast Imu: a process that is kept from running for a while, or a recording that
+  // is played at many times its speed, must not cost samples.
+  constexpr std::uint32_t kQueue = 2000;
   return nh.subscribe<Message>(kTopics[source], kQueue,
                                boost::function<void(const boost::shared_ptr<const Message>&)>(
                                    [this, source](const boost::shared_ptr<const Message>& message) {
@@ -266,7 +268,7 @@ Motion MotionSubscriber::waitForMotion(const ros::Time& stamp,
 bool MotionSubscriber::firstMessagesAreHere() const {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   if (impl_->gave_up || impl_->subscribers.empty()) return true;
-  for (const Source source : {kImu, kOdom}) {
+  for (int source = 0; source < kSources; ++source) {
     const bool promised = impl_->subscribers[source].getNumPublishers() > 0;
     if (promised && impl_->status[source].received == 0) return false;
   }

@@ -1,18 +1,29 @@
 #include "outputs.h"
 
-namespace adaptive_grid_stereo {
+#include <algorithm>
 
-Outputs::Outputs(const ros::NodeHandle& handle, std::function<void()> on_change)
+namespace adaptive_grid_stereo {
+namespace {
+
+/// Small, and recorded more often than shown: a reader that stalls for a moment misses none.
+constexpr std::uint32_t kStates = 20;
+
+}  // namespace
+
+Outputs::Outputs(const ros::NodeHandle& handle, std::uint32_t queue_size,
+                 std::function<void()> on_change)
     : handle_(handle), transport_(handle) {
   const ros::SubscriberStatusCallback on_topic =
       [on_change](const ros::SingleSubscriberPublisher&) { on_change(); };
   const image_transport::SubscriberStatusCallback on_image =
       [on_change](const image_transport::SingleSubscriberPublisher&) { on_change(); };
-  disparity_ = handle_.advertise<stereo_msgs::DisparityImage>("disparity", 1, on_topic, on_topic);
-  grid_state_ = handle_.advertise<GridState>("grid_state", 1, on_topic, on_topic);
-  depth_ = transport_.advertise("depth", 1, on_image, on_image);
-  overlay_ = transport_.advertise("grid_overlay", 1, on_image, on_image);
-  disparity_color_ = transport_.advertise("disparity_color", 1, on_image, on_image);
+  disparity_ =
+      handle_.advertise<stereo_msgs::DisparityImage>("disparity", queue_size, on_topic, on_topic);
+  grid_state_ =
+      handle_.advertise<GridState>("grid_state", std::max(queue_size, kStates), on_topic, on_topic);
+  depth_ = transport_.advertise("depth", queue_size, on_image, on_image);
+  overlay_ = transport_.advertise("grid_overlay", queue_size, on_image, on_image);
+  disparity_color_ = transport_.advertise("disparity_color", queue_size, on_image, on_image);
 }
 
 bool Outputs::anybodyListens() const {

@@ -15,8 +15,9 @@ namespace adaptive_grid_stereo {
 /// one that built it.
 class Outputs {
  public:
-  /// on_change runs in the handle's callback queue whenever a subscriber comes or goes.
-  Outputs(const ros::NodeHandle& handle, std::function<void()> on_change);
+  /// on_change runs in the handle's callback queue whenever a subscriber comes or goes. A reader
+  /// that is slow misses images once it is queue_size of them behind.
+  Outputs(const ros::NodeHandle& handle, std::uint32_t queue_size, std::function<void()> on_change);
 
   bool anybodyListens() const;
   /// The side outputs that somebody listens to.

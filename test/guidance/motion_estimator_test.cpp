@@ -247,6 +247,23 @@ TEST(MotionEstimatorTest, StartingOverForgetsWhateverComesFirstImagesOrMotion) {
   }
 }
 
+TEST(MotionEstimatorTest, WaitsForTheSourceThatAFadingOneLeavesAShareTo) {
+  MotionEstimator estimator{MotionConfig()};
+  const auto addVelocity = [&](double stamp) {
+    VelocitySample sample;
+    sample.stamp = stamp;
+    sample.velocity.x() = 20.0;
+    estimator.add(sample);
+  };
+  for (const double stamp : {9.4, 9.6, 9.8, 10.0}) addVelocity(stamp);
+  for (int i = 0; i <= 50; ++i) estimator.add(odometry(10.1 + 0.02 * i, 5.0, 0.1));
+  // The odometry came at 10.1 and has its full weight from 10.35 on.
+  EXPECT_FALSE(estimator.ready(10.2)) << "a GPS velocity is due, and counts";
+  EXPECT_TRUE(estimator.ready(10.8)) << "one is due, but would not count";
+  addVelocity(10.2);
+  EXPECT_TRUE(estimator.ready(10.2));
+}
+
 TEST(MotionEstimatorTest, ImagesThatStartOverAloneCostNoMotion) {
   MotionEstimator estimator{MotionConfig()};
   for (int i = 0; i < 100; ++i) estimator.add(odometry(10.0 + 0.02 * i, 5.0, 0.1));

@@ -16,6 +16,7 @@ from stereo_msgs.msg import DisparityImage
 
 # They tell how long something took.
 TIMES = {'processing_time', 'latency', 'frames_dropped'}
+FLIGHT_BEGIN = 1600000000.0  # stamp of the simulated flights' first messages [s]
 
 
 def tool(name):
@@ -34,6 +35,8 @@ def plain(state):
 
 
 class OfflineEqualsLive(unittest.TestCase):
+    maxDiff = None
+
     def setUp(self):
         self.folder = tempfile.mkdtemp()
         self.flight = os.path.join(self.folder, 'flight.bag')
@@ -53,7 +56,7 @@ class OfflineEqualsLive(unittest.TestCase):
                              lambda m: states.__setitem__(m.header.stamp.to_nsec(), m))]
         player = shutil.which('rosbag')
         play = subprocess.Popen([player, 'play', '--clock', '--wait-for-subscribers', '--quiet',
-                                 '--rate', str(rate), self.flight], stdin=subprocess.DEVNULL)
+                                 '--queue', '10000', '--rate', str(rate), self.flight], stdin=subprocess.DEVNULL)
         try:
             end = time.time() + 120
             while (len(disparities) < frames or len(states) < frames) and time.time() < end:
@@ -76,23 +79,27 @@ class OfflineEqualsLive(unittest.TestCase):
             self.assertEqual(bag.get_message_count('/stereo/disparity'), frames)
             offline = [(topic, message) for topic, message, _ in bag.read_messages()]
         for rate in (1, 10):  # the second time, the clock jumps back first
-            self.compare(offline, *self.live(frames, rate), frames)
+            self.compare(offline, *self.live(frames, rate), frames, rate)
 
-    def compare(self, offline, disparities, states, frames):
+    def compare(self, offline, disparities, states, frames, rate):
         compared, plans = 0, set()
-        for topic, message in offline:
+        # States first, since they tell why a disparity differs.
+        for topic, message in sorted(offline, key=lambda item: item[0] == '/stereo/disparity'):
             live = (disparities if topic == '/stereo/disparity' else states).get(
                 message.header.stamp.to_nsec())
-            self.assertIsNotNone(live, 'the nodelet did not publish %s' % message.header.stamp)
+            where = 'at %.3f s, played at %g times real time' % (
+                message.header.stamp.to_sec() - FLIGHT_BEGIN, rate)
+            self.assertIsNotNone(live, 'the nodelet published nothing ' + where)
             self.assertEqual(live.header.frame_id, message.header.frame_id)
             if topic == '/stereo/disparity':
-                self.assertEqual(live.image.data, message.image.data)
+                self.assertTrue(live.image.data == message.image.data, where)
                 for field in ('f', 'T', 'valid_window', 'min_disparity', 'max_disparity', 'delta_d'):
                     # As text, since rosbag makes classes of its own.
-                    self.assertEqual(str(getattr(live, field)), str(getattr(message, field)), field)
+                    self.assertEqual(str(getattr(live, field)), str(getattr(message, field)),
+                                     field + ' ' + where)
                 compared += 1
             else:
-                self.assertEqual(plain(live), plain(message))
+                self.assertEqual(plain(live), plain(message), where)
                 plans.add(bytes(bytearray(message.paths)))
         self.assertEqual(compared, frames)
         self.assertGreater(len(plans), 1, 'the flight was to use more than one plan')
