@@ -1,7 +1,7 @@
 #ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_SWEEP_H
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_SWEEP_H
 
-// Data shared by the two sweeps over the image (path_aggregation.cpp) and their caller.
+// Data shared by the two sweeps over the image and their caller.
 //
 // A sweep visits the image row by row and computes, at each pixel, the costs of all paths that come
 // from pixels already visited: half of the 16 directions. The second sweep is the first one on the
@@ -111,11 +111,13 @@ constexpr int kMaxLanes = 64;
 /// Lanes of the SIMD target's byte vectors; padded_range must be a multiple.
 int sweepLanes();
 
-/// Runs steps [first, last) of one band of `row_count` <= kBandRows rows of the first or second
-/// sweep. At step s row r is at pixel s - kBandLag * r; the band is complete with steps
-/// -kPathMargin to width + kPathMargin + kBandLag * (row_count - 1).
-void runBand(const SweepFrame& frame, bool second_sweep, const SweepRow* rows, int row_count,
-             int first, int last);
+/// Run steps [first, last) of one band of `row_count` <= kBandRows rows. At step s row r is at
+/// pixel s - kBandLag * r; the band is complete with steps -kPathMargin to width + kPathMargin +
+/// kBandLag * (row_count - 1).
+void runFirstSweep(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+                   int last);
+void runSecondSweep(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+                    int last);
 
 /// P2 of eq. 7 for pixels [begin, end) of a row and each direction: penalties[penaltyPlace(u, r)]
 /// is the entry of `table` (256, falling) for the grey-level step between current[u] and

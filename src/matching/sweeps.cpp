@@ -143,7 +143,7 @@ void Sweeps::runSweep(const SweepImages& images, bool second, const std::atomic<
       }
     };
     strips.run(thread, bands, prepare, [&](int band, int first, int last) {
-      runBand(frame_, second, rows, row_count, first, last);
+      (second ? runSecondSweep : runFirstSweep)(frame_, rows, row_count, first, last);
       // A row is selected as a whole: at once, while it is in the cache, if there is but one
       // thread.
       if (second && pool->size() == 1 && last == strips.edge(1)) {

@@ -1,0 +1,38 @@
+// The first sweep's kernels. Each sweep has a file of its own, since they take long to compile.
+#include "src/matching/sweep.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "src/matching/first_sweep.cpp"
+#include "src/matching/simd-inl.h"
+//
+#include "src/matching/sweep-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace adaptive_grid_stereo {
+namespace HWY_NAMESPACE {
+
+HWY_ATTR void RunFirst(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+                       int last) {
+  SweepBand<false>(frame, rows, row_count, first, last);
+}
+
+HWY_ATTR int SweepLanes() { return static_cast<int>(AGS_SIMD::Lanes(D8())); }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace adaptive_grid_stereo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace adaptive_grid_stereo {
+HWY_EXPORT(RunFirst);
+HWY_EXPORT(SweepLanes);
+
+int sweepLanes() { return HWY_DYNAMIC_DISPATCH(SweepLanes)(); }
+
+void runFirstSweep(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+                   int last) {
+  HWY_DYNAMIC_DISPATCH(RunFirst)(frame, rows, row_count, first, last);
+}
+
+}  // namespace adaptive_grid_stereo
+#endif  // HWY_ONCE

@@ -1,0 +1,33 @@
+// The second sweep's kernels. Each sweep has a file of its own, since they take long to compile.
+#include "src/matching/sweep.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "src/matching/second_sweep.cpp"
+#include "src/matching/simd-inl.h"
+//
+#include "src/matching/sweep-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace adaptive_grid_stereo {
+namespace HWY_NAMESPACE {
+
+HWY_ATTR void RunSecond(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+                        int last) {
+  SweepBand<true>(frame, rows, row_count, first, last);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace adaptive_grid_stereo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace adaptive_grid_stereo {
+HWY_EXPORT(RunSecond);
+
+void runSecondSweep(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+                    int last) {
+  HWY_DYNAMIC_DISPATCH(RunSecond)(frame, rows, row_count, first, last);
+}
+
+}  // namespace adaptive_grid_stereo
+#endif  // HWY_ONCE
