@@ -30,25 +30,26 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
   stop_ = stop;
   const int width = plan.column_edges[3];
   const int count = std::clamp(width / kNarrowest, 1, threads);
-  std::vector<double> work_before(width + 1, 0.0);
+  work_before_.assign(width + 1, 0.0);
   for (int column = 0; column < 3; ++column) {
     const double work = workOf(plan, column);
     for (int u = plan.column_edges[column]; u < plan.column_edges[column + 1]; ++u) {
-      work_before[u + 1] = work_before[u] + work;
+      work_before_[u + 1] = work_before_[u] + work;
     }
   }
   // A band's rows lag behind each other, so the edges lie half a band's lag farther.
   constexpr int kLag = kBandLag * (kBandRows - 1);
   edges_.assign(1, -kPathMargin);
   for (int strip = 1; strip < count; ++strip) {
-    const double share = work_before[width] * strip / count;
-    const auto place = std::lower_bound(work_before.begin(), work_before.end(), share);
-    const int step = static_cast<int>(place - work_before.begin()) + kLag / 2;
+    const double share = work_before_[width] * strip / count;
+    const auto place = std::lower_bound(work_before_.begin(), work_before_.end(), share);
+    const int step = static_cast<int>(place - work_before_.begin()) + kLag / 2;
     edges_.push_back(
         std::clamp(step, edges_.back() + kNarrowest / 2, width - (count - strip) * kNarrowest / 2));
   }
   edges_.push_back(width + kPathMargin + kLag);
-  progress_ = std::vector<Progress>(count);
+  if (static_cast<int>(progress_.size()) != count) progress_ = std::vector<Progress>(count);
+  for (Progress& progress : progress_) progress.value.store(0, std::memory_order_relaxed);
 }
 
 void Strips::wait(int strip, int value) const {

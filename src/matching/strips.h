@@ -68,6 +68,7 @@ class Strips {
 
   std::vector<int> edges_;
   std::vector<Progress> progress_;
+  std::vector<double> work_before_;  // each column
   const std::atomic<bool>* stop_ = nullptr;
 };
 
