@@ -229,13 +229,13 @@ TEST(StereoMatcher, reusesItsBuffersForAnySequenceOfFrames) {
 }
 
 TEST(StereoMatcher, endsWhenItIsCancelled) {
-  const ImagePair images = texturedPair(1500, 1500, 20, 5, 1);
+  const ImagePair images = texturedPair(400, 300, 20, 5, 1);
   for (const int threads : {1, 2, 5}) {
     MatcherConfig config;
-    config.disparity_range = 512;
+    config.disparity_range = 128;
     config.threads = threads;
     StereoMatcher matcher(config);
-    const PathPlan everywhere = uniformPlan(1500, 1500, 16);
+    const PathPlan everywhere = uniformPlan(400, 300, 16);
     std::thread elsewhere([&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       matcher.cancel();
