@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "src/matching/patience.h"
+#include "src/matching/spin.h"
 
 namespace adaptive_grid_stereo {
 namespace {
@@ -49,14 +49,31 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
   }
   edges_.push_back(width + kPathMargin + kLag);
   if (static_cast<int>(progress_.size()) != count) progress_ = std::vector<Progress>(count);
-  for (Progress& progress : progress_) progress.value.store(0, std::memory_order_relaxed);
+  for (Progress& progress : progress_) progress.value = 0;
 }
 
-void Strips::wait(int strip, int value) const {
-  const std::atomic<int>& progress = progress_[strip].value;
-  for (Patience patience; progress.load(std::memory_order_acquire) < value && !*stop_;) {
-    patience.pause();
+void Strips::tell(int strip, int value) {
+  Progress& progress = progress_[strip];
+  progress.value = value;
+  // Either this sees that somebody sleeps, or that one sees the value before it falls asleep.
+  if (progress.sleepers == 0) return;
+  { const std::lock_guard<std::mutex> lock(progress.mutex); }
+  progress.changed.notify_all();
+}
+
+void Strips::wait(int own, int other, int value) {
+  Progress& progress = progress_[other];
+  const auto reached = [&] { return progress.value >= value; };
+  int& spins = progress_[own].spins;
+  if (spinUntil(reached, spins)) {
+    spins = std::min(2 * spins, kMostSpins);
+    return;
   }
+  spins = std::max(spins / 2, kFewestSpins);
+  std::unique_lock<std::mutex> lock(progress.mutex);
+  ++progress.sleepers;
+  progress.changed.wait(lock, reached);
+  --progress.sleepers;
 }
 
 }  // namespace adaptive_grid_stereo

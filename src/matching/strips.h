@@ -2,6 +2,9 @@
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_STRIPS_H
 
 #include <atomic>
+#include <condition_variable>
+#include <limits>
+#include <mutex>
 #include <vector>
 
 #include "adaptive_grid_stereo/path_plan.h"
@@ -44,27 +47,33 @@ class Strips {
         work(band, begin, end);
         continue;
       }
-      if (strip > 0) wait(strip - 1, finished(band));
+      if (strip > 0) wait(strip, strip - 1, finished(band));
       work(band, begin, begin + kReach);
       tell(strip, begun(band));
       work(band, begin + kReach, end - kReach);
-      if (strip + 1 < count() && band > 0) wait(strip + 1, begun(band - 1));
+      if (strip + 1 < count() && band > 0) wait(strip, strip + 1, begun(band - 1));
       work(band, end - kReach, end);
       tell(strip, finished(band));
     }
+    tell(strip, std::numeric_limits<int>::max());  // nobody waits for what was stopped
   }
 
  private:
+  static constexpr int kFewestSpins = 64, kMostSpins = 4000;
+
   struct alignas(64) Progress {
     std::atomic<int> value{0};
+    std::atomic<int> sleepers{0};  // who wait for the value
+    // How long the strip's own thread spins before it sleeps: less where that was in vain.
+    int spins = kMostSpins;
+    std::mutex mutex;
+    std::condition_variable changed;
   };
 
   static int begun(int band) { return 2 * band + 1; }
   static int finished(int band) { return 2 * band + 2; }
-  void wait(int strip, int value) const;  // for its progress to reach that value, or the stop
-  void tell(int strip, int value) {
-    progress_[strip].value.store(value, std::memory_order_release);
-  }
+  void wait(int own, int other, int value);  // for the other strip to get there
+  void tell(int strip, int value);
 
   std::vector<int> edges_;
   std::vector<Progress> progress_;

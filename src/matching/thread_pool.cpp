@@ -1,8 +1,13 @@
 #include "src/matching/thread_pool.h"
 
-#include "src/matching/patience.h"
+#include "src/matching/spin.h"
 
 namespace adaptive_grid_stereo {
+namespace {
+
+constexpr int kSpins = 4000;
+
+}  // namespace
 
 ThreadPool::ThreadPool(int size) {
   for (int index = 1; index < size; ++index) {
@@ -29,19 +34,17 @@ void ThreadPool::run(const std::function<void(int)>& job) {
   }
   start_.notify_all();
   job(0);
-  for (Patience patience; !patience.isOver(); patience.pause()) {
-    if (running_ == 0) return;
-  }
+  const auto all_done = [this] { return running_ == 0; };
+  if (spinUntil(all_done, kSpins)) return;
   std::unique_lock<std::mutex> lock(mutex_);
-  done_.wait(lock, [this] { return running_ == 0; });
+  done_.wait(lock, all_done);
 }
 
 void ThreadPool::work(int index) {
   unsigned seen = 0;
   const auto called = [&] { return stop_ || generation_ != seen; };
   for (;;) {
-    for (Patience patience; !called() && !patience.isOver();) patience.pause();
-    if (!called()) {
+    if (!spinUntil(called, kSpins)) {
       std::unique_lock<std::mutex> lock(mutex_);
       start_.wait(lock, called);
     }
