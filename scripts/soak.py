@@ -18,9 +18,9 @@ from soak_aircraft import Aircraft
 from soak_faults import FAULTS
 
 NAME_SPACE = "/stereo"
-WARM_UP = 20.0  # [s] before memory is measured first
 LONGEST_RECOVERY = 10.0  # [s] from the end of a fault to the next served pair
-MEMORY_GROWTH = (1.2, 30.0)  # largest factor, and [MB] above it
+PARTS = 8  # of the run, for each of which the memory is told
+MEMORY_GROWTH = 1.1  # largest factor between the middle and the last part
 
 
 def wait_for_master(seconds):
@@ -152,8 +152,7 @@ class Soak:
         end = start + 60.0 * self.options.minutes
         while time.monotonic() < end and not rospy.is_shutdown() and not self.failures:
             time.sleep(self.random.uniform(0.5, 2.5))
-            if time.monotonic() - start > WARM_UP:
-                self.memory.append(memory_of(process) or 0.0)
+            self.memory.append(memory_of(process) or 0.0)
             self.one_fault()
             self.monitor.forget()
             if process_of(NAME_SPACE + "/manager") != process or memory_of(process) is None:
@@ -177,18 +176,19 @@ class Soak:
         self.aircraft.fine = True
 
     def check_memory(self):
-        """Resident memory after the warm-up and at the end, each as the median of five [MB]."""
-        if len(self.memory) < 10:
-            return float("nan"), float("nan")
-        first, last = (percentile(part, 0.5) for part in (self.memory[:5], self.memory[-5:]))
-        if last > first * MEMORY_GROWTH[0] + MEMORY_GROWTH[1]:
-            self.failures.append("memory grew from %.0f to %.0f MB" % (first, last))
-        return first, last
+        """Resident memory in each part of the run, as medians [MB]. It rises while buffers and threads grow to what
+        the faults ask for at most; after that it has to stay."""
+        count = len(self.memory)
+        parts = [percentile(self.memory[count * i // PARTS:count * (i + 1) // PARTS], 0.5)
+                 for i in range(PARTS)] if count >= PARTS else []
+        if parts and parts[-1] > parts[PARTS // 2] * MEMORY_GROWTH:
+            self.failures.append("memory grew from %.0f to %.0f MB" % (parts[PARTS // 2], parts[-1]))
+        return parts
 
     def report(self, seconds):
         """Prints the figures."""
         monitor = self.monitor
-        first, last = self.check_memory()
+        memory = self.check_memory()
         print("ran %.1f min with seed %d, %d x %d at %.0f Hz" % (
             seconds / 60.0, self.options.seed, *self.aircraft.size(), self.options.rate))
         for fine, title in ((True, "between faults"), (False, "during faults")):
@@ -198,7 +198,7 @@ class Soak:
                 1e3 * percentile(values, 0.99), 1e3 * max(values, default=float("nan"))))
         print("longest time over the deadline of %.0f ms: %.2f s" % (1e3 * monitor.deadline, monitor.longest_late))
         print("longest recovery after a fault: %.2f s (%s)" % self.worst)
-        print("memory %.1f MB after warm-up, %.1f MB at the end" % (first, last))
+        print("memory in %d parts of the run: %s MB" % (PARTS, " ".join("%.0f" % part for part in memory)))
         print("faults: " + ", ".join("%s %d" % item for item in sorted(self.counts.items())))
         for failure in self.failures:
             print("FAILED: " + failure)
