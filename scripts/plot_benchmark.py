@@ -29,7 +29,7 @@ def draw_bars(axes, table, settings, threads):
                  color={**OURS, **PEERS}[method], label=method)
     axes.set_yscale('log')
     axes.set_xticks(range(len(settings)))
-    axes.set_xticklabels([s.replace('x', '×') for s in settings], fontsize=8)
+    axes.set_xticklabels([s.replace('x', '×') for s in settings], fontsize=7)
     axes.set_ylabel('time per frame [ms]')
     axes.set_title('%d thread%s' % (threads, 's' if threads > 1 else ''))
     axes.grid(axis='y', which='both', alpha=0.3)
