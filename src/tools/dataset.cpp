@@ -14,6 +14,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "image_file.h"
 #include "pfm.h"
 
 namespace fs = std::filesystem;
@@ -121,12 +122,6 @@ std::vector<Scene> scenesIn(const fs::path& folder) {
   return {};
 }
 
-cv::Mat readGrey(const std::string& path) {
-  const cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE);
-  if (image.empty()) throw std::runtime_error(path + ": is missing or no image that OpenCV reads");
-  return image;
-}
-
 void checkSize(const cv::Mat& image, const cv::Mat& left, const std::string& path) {
   if (image.size() == left.size()) return;
   throw std::runtime_error(path + ": is " + std::to_string(image.cols) + "x" +
@@ -143,8 +138,7 @@ cv::Mat readTruth(const std::string& path, double scale) {
     }
     return truth;
   }
-  const cv::Mat grey = cv::imread(path, cv::IMREAD_UNCHANGED);
-  if (grey.empty()) throw std::runtime_error(path + ": is missing or no image that OpenCV reads");
+  const cv::Mat grey = readImage(path, cv::IMREAD_UNCHANGED);
   if (grey.channels() != 1 || (grey.depth() != CV_8U && grey.depth() != CV_16U)) {
     throw std::runtime_error(path + ": has colours or an unusual depth, expected 8 or 16 bit grey");
   }
@@ -194,7 +188,7 @@ cv::Mat consistent(const cv::Mat& truth, const cv::Mat& right_truth) {
 void loadMasks(const Scene& scene, double scale, LoadedScene* loaded) {
   loaded->all = known(loaded->truth);
   if (!scene.visible_mask.empty()) {
-    const cv::Mat mask = readGrey(scene.visible_mask);
+    const cv::Mat mask = readImage(scene.visible_mask, cv::IMREAD_GRAYSCALE);
     checkSize(mask, loaded->left, scene.visible_mask);
     loaded->visible = (mask == 255) & loaded->all;
   } else if (!scene.right_truth.empty()) {
@@ -203,7 +197,7 @@ void loadMasks(const Scene& scene, double scale, LoadedScene* loaded) {
     loaded->visible = consistent(loaded->truth, right_truth);
   }
   if (!scene.all_mask.empty()) {
-    const cv::Mat mask = readGrey(scene.all_mask);
+    const cv::Mat mask = readImage(scene.all_mask, cv::IMREAD_GRAYSCALE);
     checkSize(mask, loaded->left, scene.all_mask);
     loaded->all = (mask == 255) & loaded->all;
   }
@@ -288,8 +282,8 @@ std::vector<Scene> findScenes(const std::string& directory) {
 
 LoadedScene loadScene(const Scene& scene) {
   LoadedScene loaded;
-  loaded.left = readGrey(scene.left);
-  loaded.right = readGrey(scene.right);
+  loaded.left = readImage(scene.left, cv::IMREAD_GRAYSCALE);
+  loaded.right = readImage(scene.right, cv::IMREAD_GRAYSCALE);
   checkSize(loaded.right, loaded.left, scene.right);
   const bool is_kitti =
       scene.layout == DatasetLayout::kKitti2012 || scene.layout == DatasetLayout::kKitti2015;

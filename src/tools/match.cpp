@@ -16,6 +16,7 @@
 
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
 #include "command_line.h"
+#include "image_file.h"
 #include "motion_plan.h"
 #include "output_file.h"
 #include "pfm.h"
@@ -100,12 +101,6 @@ bool readOptions(int argc, char** argv, Options* o) {
   return true;
 }
 
-cv::Mat readImage(const std::string& path) {
-  const cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE);
-  if (image.empty()) throw std::runtime_error(path + ": is missing or no image that OpenCV reads");
-  return image;
-}
-
 void checkPair(const Options& o, const cv::Mat& left, const cv::Mat& right) {
   std::ostringstream text;
   if (left.size() != right.size()) {
@@ -179,8 +174,8 @@ int run(int argc, char** argv) {
   for (const std::string& path : {o.output, o.png, o.json}) {
     if (!path.empty()) checkWritable(path, o.force);
   }
-  const cv::Mat left = readImage(o.left);
-  const cv::Mat right = readImage(o.right);
+  const cv::Mat left = readImage(o.left, cv::IMREAD_GRAYSCALE);
+  const cv::Mat right = readImage(o.right, cv::IMREAD_GRAYSCALE);
   checkPair(o, left, right);
   const MotionPlan flight = o.by_motion
                                 ? planForMotion(o.motion, o.guidance, left.size())

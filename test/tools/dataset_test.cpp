@@ -1,4 +1,5 @@
 #include "dataset.h"
+#include "image_file.h"
 
 #include <cmath>
 #include <sstream>
@@ -58,6 +59,20 @@ TEST(Dataset, WithoutMaskTheRightDisparityTellsWhatIsVisible) {
   EXPECT_EQ(loaded.visible.at<uchar>(5, 12), 0);
   EXPECT_EQ(loaded.visible.at<uchar>(5, 13), 255);
   EXPECT_EQ(loaded.visible.at<uchar>(5, 1), 0);  // would lie left of the right image
+}
+
+TEST(ImageFile, NamesTheFileThatOpenCvThrowsAt) {
+  const TemporaryFolder folder;
+  folder.write("huge.pgm", "P5 55555555 16 255 <<<<");
+  folder.write("text.png", "no image");
+  for (const char* name : {"huge.pgm", "text.png", "missing.png"}) {
+    try {
+      readImage(folder.file(name), cv::IMREAD_GRAYSCALE);
+      ADD_FAILURE() << name;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST(Dataset, MiddEval3) {
