@@ -3,6 +3,9 @@
 
 namespace adaptive_grid_stereo {
 
+/// The longest that is worth it before sleeping, about 50 microseconds.
+constexpr int kMostSpins = 4000;
+
 /// Looks up to `spins` times whether ready(), some microseconds per thousand; returns whether it
 /// is.
 ///

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "src/matching/spin.h"
-
 namespace adaptive_grid_stereo {
 namespace {
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adaptive_grid_stereo/path_plan.h"
+#include "src/matching/spin.h"
 #include "src/matching/sweep.h"
 
 namespace adaptive_grid_stereo {
@@ -59,7 +60,7 @@ class Strips {
   }
 
  private:
-  static constexpr int kFewestSpins = 64, kMostSpins = 4000;
+  static constexpr int kFewestSpins = 64;
 
   struct alignas(64) Progress {
     std::atomic<int> value{0};

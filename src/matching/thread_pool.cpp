@@ -3,11 +3,6 @@
 #include "src/matching/spin.h"
 
 namespace adaptive_grid_stereo {
-namespace {
-
-constexpr int kSpins = 4000;
-
-}  // namespace
 
 ThreadPool::ThreadPool(int size) {
   for (int index = 1; index < size; ++index) {
@@ -35,7 +30,7 @@ void ThreadPool::run(const std::function<void(int)>& job) {
   start_.notify_all();
   job(0);
   const auto all_done = [this] { return running_ == 0; };
-  if (spinUntil(all_done, kSpins)) return;
+  if (spinUntil(all_done, kMostSpins)) return;
   std::unique_lock<std::mutex> lock(mutex_);
   done_.wait(lock, all_done);
 }
@@ -44,7 +39,7 @@ void ThreadPool::work(int index) {
   unsigned seen = 0;
   const auto called = [&] { return stop_ || generation_ != seen; };
   for (;;) {
-    if (!spinUntil(called, kSpins)) {
+    if (!spinUntil(called, kMostSpins)) {
       std::unique_lock<std::mutex> lock(mutex_);
       start_.wait(lock, called);
     }
