@@ -5,17 +5,30 @@
 
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
 
+// Plain loops, which the compiler turns into each target's vectors.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "src/matching/row_selection.cpp"
+#include "src/matching/simd-inl.h"
+
+#if !defined(AGS_ROW_SELECTION_SHARED)
+#define AGS_ROW_SELECTION_SHARED
 namespace adaptive_grid_stereo {
-namespace {
 
 constexpr int kIndexBits = 10;
-constexpr int kIndexMask = (1 << kIndexBits) - 1;
+constexpr std::int32_t kIndexMask = (1 << kIndexBits) - 1;
 /// Its index is farther from every other one than any two disparities are.
 constexpr std::int32_t kNoClaim = std::numeric_limits<std::int32_t>::max();
 constexpr int kLargestDifference = 511;
 
+}  // namespace adaptive_grid_stereo
+#endif  // AGS_ROW_SELECTION_SHARED
+
+HWY_BEFORE_NAMESPACE();
+namespace adaptive_grid_stereo {
+namespace HWY_NAMESPACE {
+
 // Minimum of the parabola through three sums, in fixed point around 0, rounded half up.
-int subpixelOffset(int before, int sum, int after) {
+HWY_INLINE int SubpixelOffset(int before, int sum, int after) {
   const int curvature = std::max(1, before + after - 2 * sum);
   // The numerator is brought above zero, so that the division rounds down. Both parts are below
   // 2^24 and the quotient below 64, so the quotient of floats never reaches an integer that the
@@ -27,7 +40,8 @@ int subpixelOffset(int before, int sum, int after) {
 }
 
 // Disparities of the unique winners, whether the right image agrees or not.
-void interpolateRow(const WinnerRow& winners, int width, bool subpixel, std::int16_t* disparity) {
+HWY_ATTR void InterpolateRow(const WinnerRow& winners, int width, bool subpixel,
+                             std::int16_t* disparity) {
   const std::uint16_t* __restrict index = winners.index;
   const std::uint16_t* __restrict sum = winners.sum;
   const std::uint16_t* __restrict before = winners.before;
@@ -38,47 +52,114 @@ void interpolateRow(const WinnerRow& winners, int width, bool subpixel, std::int
   for (int x = 0; x < width; ++x) {
     const int b = before[x], s = sum[x], a = after[x], k = index[x];
     const int has_offset = wanted & -((b != kNoSum) & (a != kNoSum) & (b + a > 2 * s));
-    const int value = k * kDisparityScale + (subpixelOffset(b, s, a) & has_offset);
+    const int value = k * kDisparityScale + (SubpixelOffset(b, s, a) & has_offset);
     const int invalid = -(k >> 15);  // kNotUnique, which is set in kNoWinner, too
     out[x] = static_cast<std::int16_t>((value & ~invalid) | (kInvalidDisparity & invalid));
   }
 }
 
-// Of several winners that claim one right pixel the smallest sum has it, then the smallest
-// disparity.
-void claimRow(const WinnerRow& winners, const std::uint8_t* shifts, int width, int min_disparity,
-              std::int32_t* right) {
+// What each winner claims: which right pixel, `nowhere` if there is no winner, and by what.
+HWY_ATTR void FindClaims(const WinnerRow& winners, const std::uint8_t* shifts, int width,
+                         int min_disparity, std::int32_t nowhere, std::int32_t* places,
+                         std::int32_t* claims) {
+  const std::uint16_t* __restrict index = winners.index;
+  const std::uint16_t* __restrict sum = winners.sum;
+  const std::uint8_t* __restrict shift = shifts;
+  std::int32_t* __restrict place = places;
+  std::int32_t* __restrict claim = claims;
   for (int x = 0; x < width; ++x) {
-    if (winners.index[x] == kNoWinner) continue;
-    const int k = winners.index[x] & ~kNotUnique;
-    std::int32_t& owner = right[x - min_disparity - k];
-    owner = std::min(owner, (winners.sum[x] << shifts[x] << kIndexBits) | k);
+    const std::int32_t none = -static_cast<std::int32_t>(index[x] == kNoWinner);
+    const std::int32_t k = index[x] & ~kNotUnique;
+    place[x] = ((x - min_disparity - k) & ~none) | (nowhere & none);
+    claim[x] = sum[x] << shift[x] << kIndexBits | k;
   }
 }
 
-}  // namespace
+// Where a winner's neighbour would be seen in the right image, on the side that its sub-pixel
+// disparity lies on, or the winner itself if there is no such side.
+HWY_ATTR void FindSecondPlaces(const WinnerRow& winners, const std::int16_t* disparity, int width,
+                               const std::int32_t* places, std::int32_t* second_places) {
+  const std::uint16_t* __restrict index = winners.index;
+  const std::int16_t* __restrict value = disparity;
+  const std::int32_t* __restrict place = places;
+  std::int32_t* __restrict second = second_places;
+  for (int x = 0; x < width; ++x) {
+    const std::int32_t from_winner = value[x] - index[x] * kDisparityScale;
+    const std::int32_t valid = -static_cast<std::int32_t>(value[x] != kInvalidDisparity);
+    const std::int32_t side = (from_winner > 0) - (from_winner < 0);
+    second[x] = place[x] - (side & valid);
+  }
+}
+
+// Drops winners that the right image contradicts, in both of the places where it was asked.
+HWY_ATTR void DropInconsistent(const WinnerRow& winners, int width, unsigned most,
+                               const std::int32_t* places, const std::int32_t* second_places,
+                               const std::int32_t* found, const std::int32_t* second_found,
+                               std::int16_t* disparity) {
+  const std::uint16_t* __restrict index = winners.index;
+  const std::int32_t* __restrict place = places;
+  const std::int32_t* __restrict second_place = second_places;
+  const std::int32_t* __restrict first = found;
+  const std::int32_t* __restrict second = second_found;
+  std::int16_t* __restrict value = disparity;
+  for (int x = 0; x < width; ++x) {
+    const std::int32_t k = index[x] & ~kNotUnique;
+    const std::int32_t second_k = k + place[x] - second_place[x];
+    const unsigned difference = static_cast<unsigned>((first[x] & kIndexMask) - k);
+    const unsigned second_difference = static_cast<unsigned>((second[x] & kIndexMask) - second_k);
+    const int keep = -((difference + most <= 2 * most) | (second_difference + most <= 2 * most));
+    value[x] = static_cast<std::int16_t>((value[x] & keep) | (kInvalidDisparity & ~keep));
+  }
+}
+
+// The left-right check. Of several winners that claim one right pixel the smallest sum has it, then
+// the smallest disparity.
+HWY_ATTR void CheckRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
+                       const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity) {
+  // One pixel more on either side lets a neighbouring disparity be looked up without asking; one
+  // beyond takes the claims of those that have none.
+  const std::int32_t nowhere = width + 1;
+  claims->right.assign(width + 3, kNoClaim);
+  for (auto* row :
+       {&claims->places, &claims->second_places, &claims->found, &claims->second_found}) {
+    row->resize(width);
+  }
+  std::int32_t* right = claims->right.data() + 1;
+  std::int32_t* places = claims->places.data();
+  std::int32_t* second_places = claims->second_places.data();
+  std::int32_t* found = claims->found.data();
+  std::int32_t* second_found = claims->second_found.data();
+  FindClaims(winners, shifts, width, config.min_disparity, nowhere, places, found);
+  for (int x = 0; x < width; ++x) right[places[x]] = std::min(right[places[x]], found[x]);
+  FindSecondPlaces(winners, disparity, width, places, second_places);
+  for (int x = 0; x < width; ++x) {
+    found[x] = right[places[x]];
+    second_found[x] = right[second_places[x]];
+  }
+  const int most = std::min(config.disp12_max_diff, kLargestDifference);
+  DropInconsistent(winners, width, static_cast<unsigned>(most), places, second_places, found,
+                   second_found, disparity);
+}
+
+HWY_ATTR void SelectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
+                        const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity) {
+  InterpolateRow(winners, width, config.subpixel, disparity);
+  if (config.disp12_max_diff < 0) return;
+  CheckRow(winners, shifts, width, config, claims, disparity);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace adaptive_grid_stereo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace adaptive_grid_stereo {
+HWY_EXPORT(SelectRow);
 
 void selectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
                const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity) {
-  interpolateRow(winners, width, config.subpixel, disparity);
-  if (config.disp12_max_diff < 0) return;
-  const int min_disparity = config.min_disparity;
-  const unsigned most = static_cast<unsigned>(std::min(config.disp12_max_diff, kLargestDifference));
-  // One pixel more on either side lets a neighbouring disparity be looked up without asking.
-  claims->sum_and_index.assign(width + 2, kNoClaim);
-  std::int32_t* right = claims->sum_and_index.data() + 1;
-  claimRow(winners, shifts, width, min_disparity, right);
-  const auto consistent = [&](int x, int k) {
-    const int difference = (right[x - min_disparity - k] & kIndexMask) - k;
-    return static_cast<unsigned>(difference) + most <= 2 * most;
-  };
-  for (int x = 0; x < width; ++x) {
-    const int k = winners.index[x];
-    if ((k & kNotUnique) || consistent(x, k)) continue;
-    const int lower = disparity[x] >> kDisparityShift;
-    const int upper = (disparity[x] + kDisparityScale - 1) >> kDisparityShift;
-    if (!consistent(x, lower == k ? upper : lower)) disparity[x] = kInvalidDisparity;
-  }
+  HWY_DYNAMIC_DISPATCH(SelectRow)(winners, shifts, width, config, claims, disparity);
 }
 
 }  // namespace adaptive_grid_stereo
+#endif  // HWY_ONCE

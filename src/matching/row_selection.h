@@ -9,9 +9,11 @@
 
 namespace adaptive_grid_stereo {
 
-/// Buffers of selectRow, for one thread.
+/// Buffers of selectRow, for one thread. Claims are sums and indices: sum << 10 | index.
 struct RightClaims {
-  std::vector<std::int32_t> sum_and_index;
+  std::vector<std::int32_t> right;                  // the best claim to each right pixel
+  std::vector<std::int32_t> places, second_places;  // [x] the right pixels to ask
+  std::vector<std::int32_t> found, second_found;    // [x] what they say
 };
 
 /// Sub-pixel disparity and left-right check of one row.
