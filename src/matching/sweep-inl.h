@@ -144,18 +144,81 @@ HWY_INLINE void ClearDirections(const PathLayout& layout, const PathRow& row, in
   }
 }
 
-// One pixel of any kind.
+// Rows r of a band at pixels step - kBandLag * r, for steps [begin, end), whatever the kinds of
+// these pixels are; of the rows whose pixel is outside of the image none has a winner.
+template <int kPadded, Place kPlace, bool kSecondSweep>
+HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                                      int begin, int end) {
+  static_assert(kPlace != Place::kInner, "some disparities may leave the right image");
+  using Winners = PixelSweep<2, kPadded, kPlace>;
+  constexpr int kSums = kSecondSweep ? sumsSize(kPadded ? kPadded : kMaxRange) : 32;
+  constexpr int kKeys = kSecondSweep ? kMaxLanes / 2 : 32;
+  alignas(64) std::uint16_t sums[kBandRows * kSums];
+  // The search looks at four rows from the first one with a pixel on.
+  alignas(64) std::uint16_t keys[2 * kBandRows * kKeys];
+  if (kSecondSweep) {
+    for (int r = 0; r < kBandRows; ++r) ClearGap(sums + r * kSums, Winners::PaddedRange(frame));
+    std::fill_n(keys, 2 * kBandRows * kKeys, kNoKey);
+  }
+  const auto sweepPixel = [&](auto directions, int r, int u) AGS_LAMBDA {
+    constexpr int kDirections = decltype(directions)::value;
+    using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
+    V8 smallest[kDirections];
+    if constexpr (kSecondSweep) {
+      Pixel::Second(frame, rows[r], u, smallest, sums + r * kSums, keys + r * kKeys);
+    } else {
+      Pixel::First(frame, rows[r], u, smallest);
+    }
+    const std::uint64_t bytes = SmallestLanes<kDirections>(D8(), smallest);
+    std::memcpy(rows[r].current[u], &bytes, sizeof(bytes));
+    return kDirections;
+  };
+  for (int step = begin; step < end; ++step) {
+    for (int r = 0; r < row_count; ++r) {
+      const int u = step - kBandLag * r;
+      if (u < -kPathMargin || u >= frame.width + kPathMargin) continue;
+      const int kind = rows[r].kinds[u];
+      int directions = 0;
+      switch (kind & ~kClearRest) {
+        case kTwo:
+          directions = sweepPixel(std::integral_constant<int, 2>(), r, u);
+          break;
+        case kFour:
+          directions = sweepPixel(std::integral_constant<int, 4>(), r, u);
+          break;
+        case kEight:
+          directions = sweepPixel(std::integral_constant<int, 8>(), r, u);
+          break;
+      }
+      if (kind == kClear || (kind & kClearRest) != 0) {
+        ClearDirections(frame.layout, rows[r].current, u, directions);
+      }
+    }
+    if constexpr (kSecondSweep && kPlace != Place::kLongRange) {
+      // Rows whose pixel is inside of the image.
+      const int first = std::max(0, (step - frame.width + kBandLag) / kBandLag);
+      const int last = std::min(row_count, (step + kBandLag) / kBandLag);
+      if (first < last) {
+        Winners::StoreWinners(frame, rows + first, last - first, step - kBandLag * first,
+                              keys + first * kKeys, kKeys, sums + first * kSums, kSums);
+      }
+    }
+  }
+}
+
 template <bool kSecondSweep>
-HWY_ATTR void SweepStep(const SweepFrame& frame, const SweepRow& row, int u, bool inner) {
-  const int kind = row.kinds[u];
-  const int used = kind & ~kClearRest;
-  SweepPixels<kSecondSweep>(frame, &row, 1, used, inner, u, u + 1);
-  if (kind == kClear || (kind & kClearRest) != 0) {
-    ClearDirections(frame.layout, row.current, u,
-                    used == kTwo     ? 2
-                    : used == kFour  ? 4
-                    : used == kEight ? 8
-                                     : 0);
+HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                               int begin, int end) {
+  if (IsLongRange(frame.layout)) {
+    return SweepMixed<0, Place::kLongRange, kSecondSweep>(frame, rows, row_count, begin, end);
+  }
+  switch (frame.layout.padded_range) {
+    case 64:
+      return SweepMixed<64, Place::kBorder, kSecondSweep>(frame, rows, row_count, begin, end);
+    case 128:
+      return SweepMixed<128, Place::kBorder, kSecondSweep>(frame, rows, row_count, begin, end);
+    default:
+      return SweepMixed<0, Place::kBorder, kSecondSweep>(frame, rows, row_count, begin, end);
   }
 }
 
@@ -176,24 +239,47 @@ HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame, bool second_sw
   return {begin, end};
 }
 
-// Steps from `step` on for which all rows have pixels of one kind, which it tells, and are all
-// inside or all outside of the inner columns; 0 if there is none.
-HWY_INLINE int UniformSteps(const SweepFrame& frame, const SweepRow* rows, int row_count, int step,
-                            const InnerColumns& inner, int* kind) {
+// A run of steps: how many, whether all rows have pixels of one kind, which one, and whether they
+// are all inside of the inner columns.
+struct StepRun {
+  int steps;
+  bool uniform, inner;
+  int kind;
+};
+
+// The run of uniform steps from `step` on; none if the rows' pixels there are of several kinds.
+HWY_INLINE StepRun FindUniformSteps(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                                    int step, const InnerColumns& inner) {
   const int last = step - kBandLag * (row_count - 1);
-  if (last < 0 || step >= frame.width) return 0;
-  *kind = rows[0].kinds[step];
-  if (*kind < kTwo || *kind > kEight || inner.holds(step) != inner.holds(last)) return 0;
+  if (last < 0 || step >= frame.width) return {0, false, false, kClear};
+  const int kind = rows[0].kinds[step];
+  if (kind < kTwo || kind > kEight) return {0, false, false, kClear};
   int steps = frame.width - step;
   for (int r = 0; r < row_count; ++r) {
     const int u = step - kBandLag * r;
-    if (rows[r].kinds[u] != *kind) return 0;
+    if (rows[r].kinds[u] != kind) return {0, false, false, kClear};
     steps = std::min(steps, rows[r].kind_ends[u] - u);
   }
   for (const int edge : {inner.begin, inner.end}) {
-    if (edge > step) steps = std::min(steps, edge - step);
+    for (const int u : {step, last}) {
+      if (edge > u) steps = std::min(steps, edge - u);
+    }
   }
-  return steps;
+  return {steps, true, inner.holds(step) && inner.holds(last), kind};
+}
+
+HWY_INLINE StepRun FindRun(const SweepFrame& frame, const SweepRow* rows, int row_count, int step,
+                           int last_step, const InnerColumns& inner) {
+  StepRun run = FindUniformSteps(frame, rows, row_count, step, inner);
+  if (run.uniform) {
+    run.steps = std::min(run.steps, last_step - step);
+    return run;
+  }
+  do {
+    ++run.steps;
+  } while (step + run.steps < last_step &&
+           !FindUniformSteps(frame, rows, row_count, step + run.steps, inner).uniform);
+  return run;
 }
 
 template <bool kSecondSweep>
@@ -201,21 +287,14 @@ HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_c
                         int last) {
   const InnerColumns inner = FindInnerColumns(frame, kSecondSweep);
   for (int step = first; step < last;) {
-    int kind = kClear;
-    const int uniform = UniformSteps(frame, rows, row_count, step, inner, &kind);
-    if (uniform > 0) {
-      const int run_end = std::min(last, step + uniform);
-      SweepPixels<kSecondSweep>(frame, rows, row_count, kind, inner.holds(step), step, run_end);
-      step = run_end;
-      continue;
+    const StepRun run = FindRun(frame, rows, row_count, step, last, inner);
+    const int end = step + run.steps;
+    if (run.uniform) {
+      SweepPixels<kSecondSweep>(frame, rows, row_count, run.kind, run.inner, step, end);
+    } else {
+      SweepMixedPixels<kSecondSweep>(frame, rows, row_count, step, end);
     }
-    for (int r = 0; r < row_count; ++r) {
-      const int u = step - kBandLag * r;
-      if (u >= -kPathMargin && u < frame.width + kPathMargin) {
-        SweepStep<kSecondSweep>(frame, rows[r], u, inner.holds(u));
-      }
-    }
-    ++step;
+    step = end;
   }
   if (frame.stream_volume) hwy::FlushStream();
 }
