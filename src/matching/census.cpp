@@ -1,8 +1,12 @@
 #include "adaptive_grid_stereo/matching/census.h"
 
+#include "src/matching/sweep.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/matching/census.cpp"
 #include "src/matching/simd-inl.h"
+//
+#include "src/matching/hamming_distance-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace adaptive_grid_stereo {
@@ -59,6 +63,13 @@ HWY_ATTR void CensusRow(const PaddedImage& image, bool mirrored, int y, CensusWi
   }
 }
 
+HWY_ATTR void OrderedCensusRow(const PaddedImage& image, bool mirrored, int y, CensusWindow window,
+                               std::uint8_t* planes, std::uint8_t* row) {
+  if (!kCensusByPixel) return CensusRow(image, mirrored, y, window, row);
+  CensusRow(image, mirrored, y, window, planes);
+  OrderByPixel(image.width(), window, planes, row);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace adaptive_grid_stereo
 HWY_AFTER_NAMESPACE();
@@ -66,10 +77,16 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace adaptive_grid_stereo {
 HWY_EXPORT(CensusRow);
+HWY_EXPORT(OrderedCensusRow);
 
 void censusRow(const PaddedImage& image, bool mirrored, int y, CensusWindow window,
                std::uint8_t* planes) {
   HWY_DYNAMIC_DISPATCH(CensusRow)(image, mirrored, y, window, planes);
+}
+
+void orderedCensusRow(const PaddedImage& image, bool mirrored, int y, CensusWindow window,
+                      std::uint8_t* planes, std::uint8_t* row) {
+  HWY_DYNAMIC_DISPATCH(OrderedCensusRow)(image, mirrored, y, window, planes, row);
 }
 
 }  // namespace adaptive_grid_stereo

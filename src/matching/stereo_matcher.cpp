@@ -57,6 +57,7 @@ struct StereoMatcher::Impl {
   std::unique_ptr<ThreadPool> pool;
   PaddedImage left, left_mirrored, right_mirrored;
   AlignedBuffer<std::uint8_t> left_census, right_census;
+  std::vector<std::vector<std::uint8_t>> census_planes;  // of a row, for each thread
   Sweeps sweeps;
   RegionBuffers regions;
   cv::Mat unfiltered;
@@ -89,10 +90,11 @@ void StereoMatcher::Impl::transform(const cv::Mat& left_image, const cv::Mat& ri
   left_mirrored.reserve(left_image);
   right_mirrored.reserve(right_image);
   const int height = left_image.rows;
-  const std::size_t row_bytes = censusPlanes(config.census_window) * censusStride(left_image.cols);
+  const std::size_t row_bytes = censusRowBytes(left_image.cols);
   left_census.reserve(row_bytes * height);
   right_census.reserve(row_bytes * height);
   const int threads = pool->size();
+  census_planes.resize(threads);
   pool->run([&](int thread) {
     const int begin = height * thread / threads, end = height * (thread + 1) / threads;
     left.copyRows(left_image, false, begin, end);
@@ -101,9 +103,13 @@ void StereoMatcher::Impl::transform(const cv::Mat& left_image, const cv::Mat& ri
   });
   pool->run([&](int thread) {
     const int begin = height * thread / threads, end = height * (thread + 1) / threads;
+    std::vector<std::uint8_t>& planes = census_planes[thread];
+    planes.resize(row_bytes);
     for (int y = begin; y < end; ++y) {
-      censusRow(left, false, y, config.census_window, left_census.data() + y * row_bytes);
-      censusRow(right_mirrored, true, y, config.census_window, right_census.data() + y * row_bytes);
+      orderedCensusRow(left, false, y, config.census_window, planes.data(),
+                       left_census.data() + y * row_bytes);
+      orderedCensusRow(right_mirrored, true, y, config.census_window, planes.data(),
+                       right_census.data() + y * row_bytes);
     }
   });
 }

@@ -35,6 +35,7 @@ class Strips {
   int count() const { return static_cast<int>(edges_.size()) - 1; }
   /// First step of a strip; that of count() is the end of the last one.
   int edge(int strip) const { return edges_[strip]; }
+  const std::vector<int>& edges() const { return edges_; }
 
   /// Runs all bands of a strip: prepare(band), which must need nothing of other strips, then
   /// work(band, first step, end step) for one part of the steps after the other. Called by one

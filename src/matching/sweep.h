@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "adaptive_grid_stereo/matching/census.h"
 #include "adaptive_grid_stereo/matching/matcher_config.h"
 
 namespace adaptive_grid_stereo {
@@ -79,13 +80,19 @@ constexpr std::size_t penaltyPlace(int u, int direction) {
   return static_cast<std::size_t>(u & ~63) * kSweepDirections + 64 * direction + (u & 63);
 }
 
+/// Bytes of a census string, whatever the window.
+constexpr int kCensusBytes = 8;
+
+/// Bytes of a row's census strings.
+constexpr std::size_t censusRowBytes(int width) { return kCensusBytes * censusStride(width); }
+
 /// One row within a band.
 struct SweepRow {
   const std::uint8_t* kinds;      // [u], -kPathMargin .. width + kPathMargin - 1
   const int* kind_ends;           // [u] the next column of another kind
   const std::uint8_t* penalties;  // P2 of eq. 7 at [penaltyPlace(u, direction)]
   PathRow current, above, above2;
-  const std::uint8_t* left;   // census planes of the row
+  const std::uint8_t* left;   // census strings of the row, in the target's order
   const std::uint8_t* right;  // mirrored
   std::uint16_t* volume;      // [x * padded_range]
   WinnerRow winners;          // second sweep only
@@ -110,6 +117,11 @@ constexpr int kMaxLanes = 64;
 
 /// Lanes of the SIMD target's byte vectors; padded_range must be a multiple.
 int sweepLanes();
+
+/// Census strings of row y (censusRow()), in the order that the target's costs want: `row` receives
+/// censusRowBytes(width) bytes. `planes` is room for as many.
+void orderedCensusRow(const PaddedImage& image, bool mirrored, int y, CensusWindow window,
+                      std::uint8_t* planes, std::uint8_t* row);
 
 /// Run steps [first, last) of one band of `row_count` <= kBandRows rows. At step s row r is at
 /// pixel s - kBandLag * r; the band is complete with steps -kPathMargin to width + kPathMargin +

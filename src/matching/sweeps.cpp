@@ -9,18 +9,6 @@
 namespace adaptive_grid_stereo {
 namespace {
 
-// Pixels of path costs that a row inside a band keeps: more than the reach of two rows below it,
-// 2 * kBandLag + 1, and a power of two.
-constexpr int kRingPixels = 8;
-static_assert(2 * kBandLag + 2 <= kRingPixels, "a ring must hold what the rows below still need");
-static_assert(kBandRows >= 2, "the two rows above a band come from one band");
-
-// A band leaves its last two rows to the next one, and the one after that writes over them: at
-// places that their readers have passed, since a strip writes kBandLag * 2 pixels and more behind
-// its step, and comes within Strips::kReach of the next strip only when that one is as far in the
-// band above.
-constexpr int kBoundaries = 2;
-
 // From this size on [bytes] the volume does not stay in the caches from one sweep to the other.
 constexpr std::size_t kStreamedVolume = std::size_t{12} << 20;
 
@@ -56,52 +44,18 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
       config.uniqueness_ratio > 0.0
           ? static_cast<int>(std::lround(4096.0 * 100.0 / (100.0 - config.uniqueness_ratio)))
           : 0;
-  const PathLayout layout = makeLayout(config.disparity_range);
-  // Path costs beyond the range must be 255; a new layout puts them elsewhere.
-  const bool moved =
-      layout.range != frame_.layout.range || layout.padded_range != frame_.layout.padded_range;
-  frame_.layout = layout;
+  frame_.layout = makeLayout(config.disparity_range);
   fillPenaltyTable(config, penalty_table_);
-
-  const auto reserveCosts = [&](std::size_t pixels, AlignedBuffer<std::uint8_t>* buffer) {
-    // Neighbours of the last disparity are read one byte further.
-    const std::size_t bytes = pixels * layout.pixel_stride + kMaxLanes;
-    if (buffer->reserve(bytes) || moved) std::memset(buffer->data(), 255, bytes);
-  };
-  const std::size_t volume_size = static_cast<std::size_t>(width) * height * layout.padded_range;
+  const std::size_t volume_size =
+      static_cast<std::size_t>(width) * height * frame_.layout.padded_range;
   volume_.reserve(volume_size);
   frame_.stream_volume = volume_size * sizeof(std::uint16_t) >= kStreamedVolume;
-  const std::size_t row_pixels = static_cast<std::size_t>(width) + 2 * kPathMargin;
-  reserveCosts(2 * kBoundaries * row_pixels, &boundary_rows_);
-  // The first and the last strip are up to so many bands apart.
-  ring_sets_ = threads == 1 ? 1 : 2 * threads + 2;
-  reserveCosts(static_cast<std::size_t>(ring_sets_) * kBandRows * kRingPixels, &rings_);
-  reserveCosts(1, &zero_pixel_);
-  for (int r = 0; r < kSweepDirections; ++r) {
-    zero_pixel_.data()[r] = 0;
-    std::memset(zero_pixel_.data() + kPixelHeader + r * layout.padded_range, 0, layout.range);
-  }
+  path_rows_.prepare(width, frame_.layout, threads);
   penalty_stride_ = kSweepDirections * ((static_cast<std::size_t>(width) + 63) / 64 * 64);
   workers_.resize(threads);
   for (Worker& worker : workers_) worker.penalties.reserve(kBandRows * penalty_stride_);
   winner_rows_ = threads == 1 ? kBandRows : height;
   winners_.reserve(static_cast<std::size_t>(4) * width * winner_rows_);
-  placePathCosts();
-}
-
-void Sweeps::placePathCosts() {
-  const std::size_t stride = frame_.layout.pixel_stride;
-  const std::size_t row_pixels = static_cast<std::size_t>(frame_.width) + 2 * kPathMargin;
-  zero_places_.assign(row_pixels, zero_pixel_.data());
-  boundary_places_.resize(2 * kBoundaries * row_pixels);
-  for (std::size_t i = 0; i < boundary_places_.size(); ++i) {
-    boundary_places_[i] = boundary_rows_.data() + i * stride;
-  }
-  ring_places_.resize(static_cast<std::size_t>(ring_sets_) * kBandRows * row_pixels);
-  for (std::size_t i = 0; i < ring_places_.size(); ++i) {
-    const std::size_t ring = i / row_pixels, place = i % row_pixels % kRingPixels;
-    ring_places_[i] = rings_.data() + (ring * kRingPixels + place) * stride;
-  }
 }
 
 void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
@@ -130,6 +84,7 @@ void Sweeps::runSweep(const SweepImages& images, bool second, const std::atomic<
   const int bands = (frame_.height + kBandRows - 1) / kBandRows;
   Strips& strips = strips_[second];
   strips.assign(second ? turned(plan_) : plan_, pool->size(), &stop);
+  path_rows_.assign(second, strips);
   pool->run([&](int thread) {
     if (thread >= strips.count()) return;
     SweepRow rows[kBandRows];
@@ -152,25 +107,6 @@ void Sweeps::runSweep(const SweepImages& images, bool second, const std::atomic<
       }
     });
   });
-}
-
-void Sweeps::fillPathRows(int band, int row, int row_count, SweepRow* out) {
-  const std::size_t row_pixels = static_cast<std::size_t>(frame_.width) + 2 * kPathMargin;
-  const auto boundary = [&](int of_band, int from_last) {
-    if (of_band < 0) return zero_places_.data() + kPathMargin;
-    const std::size_t slot = of_band % kBoundaries;
-    return boundary_places_.data() + (2 * slot + from_last) * row_pixels + kPathMargin;
-  };
-  const auto rowOf = [&](int index) -> PathRow {
-    if (index < 0) return boundary(band - 1, -1 - index);
-    const int from_last = row_count - 1 - index;
-    if (row_count == kBandRows && from_last < 2) return boundary(band, from_last);
-    const std::size_t ring = static_cast<std::size_t>(band % ring_sets_) * kBandRows + index;
-    return ring_places_.data() + ring * row_pixels + kPathMargin;
-  };
-  out->current = rowOf(row);
-  out->above = rowOf(row - 1);
-  out->above2 = rowOf(row - 2);
 }
 
 void Sweeps::fillPenalties(const SweepImages& images, bool second, int v, int row, int first_step,
@@ -203,11 +139,11 @@ SweepRow Sweeps::makeRow(const SweepImages& images, bool second, int band, int i
   const int width = frame_.width;
   const int v = band * kBandRows + index;
   const int y = second ? frame_.height - 1 - v : v;
-  const std::size_t census_row = censusPlanes(frame_.window) * censusStride(width);
+  const std::size_t census_row = censusRowBytes(width);
   SweepRow row{};
   row.kinds = kinds_[second].row(v);
   row.kind_ends = kinds_[second].ends(v);
-  fillPathRows(band, index, row_count, &row);
+  path_rows_.find(second, band, index, row_count, &row);
   row.left = images.left_census + y * census_row;
   row.right = images.right_census + y * census_row;
   row.volume = volume_.data() + static_cast<std::size_t>(y) * width * frame_.layout.padded_range;

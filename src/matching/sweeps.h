@@ -10,6 +10,7 @@
 #include "adaptive_grid_stereo/matching/padded_image.h"
 #include "adaptive_grid_stereo/path_plan.h"
 #include "src/matching/aligned_buffer.h"
+#include "src/matching/path_rows.h"
 #include "src/matching/pixel_kinds.h"
 #include "src/matching/row_selection.h"
 #include "src/matching/strips.h"
@@ -22,12 +23,12 @@ namespace adaptive_grid_stereo {
 struct SweepImages {
   const PaddedImage* left = nullptr;
   const PaddedImage* left_mirrored = nullptr;
-  const std::uint8_t* left_census = nullptr;   // [y * planes * censusStride]
+  const std::uint8_t* left_census = nullptr;   // [y * censusRowBytes]
   const std::uint8_t* right_census = nullptr;  // of the mirrored right image
 };
 
 /// Runs the two sweeps over an image, band by band; the threads share each band by strips of
-/// columns. Owns all buffers of path costs, and the volume between the sweeps.
+/// columns. Owns the volume between the sweeps.
 class Sweeps {
  public:
   /// Makes buffers for the size and range where they are too small.
@@ -47,9 +48,7 @@ class Sweeps {
   void runSweep(const SweepImages& images, bool second, const std::atomic<bool>& stop,
                 ThreadPool* pool, cv::Mat* disparity);
   void selectRows(int first, int last, RightClaims* claims, cv::Mat* disparity);
-  void placePathCosts();
   SweepRow makeRow(const SweepImages& images, bool second, int band, int index, int row_count);
-  void fillPathRows(int band, int row, int row_count, SweepRow* out);
   void fillPenalties(const SweepImages& images, bool second, int v, int row, int first_step,
                      int end_step, Worker* worker, SweepRow* out);
   WinnerRow winnersOf(int y);
@@ -63,13 +62,7 @@ class Sweeps {
   AlignedBuffer<std::uint16_t> volume_;
   AlignedBuffer<std::uint16_t> winners_;  // [y % winner_rows_][part][x]
   int winner_rows_ = 1;
-  AlignedBuffer<std::uint8_t> boundary_rows_;   // the last two rows of path costs of some bands
-  std::vector<std::uint8_t*> boundary_places_;  // [row][u]
-  AlignedBuffer<std::uint8_t> rings_;           // path costs of the rows within some bands
-  std::vector<std::uint8_t*> ring_places_;      // [row][u]
-  int ring_sets_ = 0;                           // one per band
-  AlignedBuffer<std::uint8_t> zero_pixel_;
-  std::vector<std::uint8_t*> zero_places_;  // [u]
+  PathRows path_rows_;
   Strips strips_[2];
   std::vector<Worker> workers_;
   std::size_t penalty_stride_ = 0;

@@ -1,0 +1,207 @@
+// Hamming distances of census strings for a vector of disparities, and the order of the census
+// bytes that they are made from. Included once per SIMD target.
+#if defined(ADAPTIVE_GRID_STEREO_SRC_MATCHING_HAMMING_DISTANCE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef ADAPTIVE_GRID_STEREO_SRC_MATCHING_HAMMING_DISTANCE_INL_H
+#undef ADAPTIVE_GRID_STEREO_SRC_MATCHING_HAMMING_DISTANCE_INL_H
+#else
+#define ADAPTIVE_GRID_STEREO_SRC_MATCHING_HAMMING_DISTANCE_INL_H
+#endif
+
+#include <cstring>
+
+#include "adaptive_grid_stereo/matching/census.h"
+#include "src/matching/sweep.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace adaptive_grid_stereo {
+namespace HWY_NAMESPACE {
+namespace hn = AGS_SIMD;
+
+#if HWY_TARGET == HWY_AVX3_DL
+
+// Pixel by pixel, the eight bytes of a string side by side: they are compared and counted as one
+// number, and all loads are aligned. (Plane by plane, 64 disparities would take eight loads that
+// each touch two cache lines.)
+constexpr bool kCensusByPixel = true;
+
+// Sixteen pixels at a time; planes that the window does not fill are zero.
+HWY_INLINE void OrderByPixel(int width, CensusWindow window, const std::uint8_t* planes,
+                             std::uint8_t* row) {
+  const hn::Full128<std::uint8_t> d8;
+  const hn::Full128<std::uint16_t> d16;
+  const hn::Full128<std::uint32_t> d32;
+  using V = hn::Vec<hn::Full128<std::uint8_t>>;
+  const std::size_t stride = censusStride(width);
+  const int filled = censusPlanes(window);
+  for (std::size_t x = 0; x < stride; x += 16, row += 16 * kCensusBytes) {
+    V plane[kCensusBytes], twos[kCensusBytes], fours[kCensusBytes];
+    for (int p = 0; p < kCensusBytes; ++p) {
+      plane[p] = p < filled ? hn::LoadU(d8, planes + p * stride + x) : hn::Zero(d8);
+    }
+    for (int p = 0; p < 4; ++p) {
+      twos[p] = hn::InterleaveLower(d8, plane[2 * p], plane[2 * p + 1]);
+      twos[p + 4] = hn::InterleaveUpper(d8, plane[2 * p], plane[2 * p + 1]);
+    }
+    for (int i = 0; i < 4; ++i) {
+      const auto a = hn::BitCast(d16, twos[2 * i]), b = hn::BitCast(d16, twos[2 * i + 1]);
+      fours[i / 2 * 4 + i % 2] = hn::BitCast(d8, hn::InterleaveLower(d16, a, b));
+      fours[i / 2 * 4 + i % 2 + 2] = hn::BitCast(d8, hn::InterleaveUpper(d16, a, b));
+    }
+    for (int i = 0; i < 4; ++i) {
+      const auto a = hn::BitCast(d32, fours[2 * i]), b = hn::BitCast(d32, fours[2 * i + 1]);
+      hn::Store(hn::BitCast(d8, hn::InterleaveLower(d32, a, b)), d8, row + 32 * i);
+      hn::Store(hn::BitCast(d8, hn::InterleaveUpper(d32, a, b)), d8, row + 32 * i + 16);
+    }
+  }
+}
+
+// Where the census strings of a pixel and of its first disparity stand. In the mirrored row,
+// disparity index k is k strings further.
+struct CensusPlaces {
+  const std::uint8_t* left;
+  const std::uint8_t* right;  // of column 0
+  std::ptrdiff_t column;      // of the first disparity in the mirrored row
+};
+
+HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row, int x) {
+  const std::ptrdiff_t column = frame.width - 1 - x + frame.min_disparity;
+  return {row.left + kCensusBytes * (kCensusMargin + x), row.right + kCensusBytes * kCensusMargin,
+          column};
+}
+
+// After eight vectors of eight counts each have been laid into each other, count n stands in byte
+// 8 * (n % 8) + n / 8; those from 64 on are in a ninth vector. Picks counts t .. t + 63.
+struct CountOrder {
+  alignas(64) std::uint8_t from[8][64];
+};
+constexpr CountOrder makeCountOrder() {
+  CountOrder order{};
+  for (int t = 0; t < 8; ++t) {
+    for (int i = 0; i < 64; ++i) {
+      const int n = t + i;
+      order.from[t][i] =
+          static_cast<std::uint8_t>(n < 64 ? 8 * (n % 8) + n / 8 : 64 + 8 * (n - 64));
+    }
+  }
+  return order;
+}
+static constexpr CountOrder kCountOrder = makeCountOrder();
+
+// Costs of a vector of disparities from index k on.
+HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(CensusWindow,
+                                                                   const CensusPlaces& at, int k) {
+  const hn::ScalableTag<std::uint64_t> d;
+  const std::ptrdiff_t column = at.column + k;
+  const std::uint8_t* from = at.right + kCensusBytes * (column & ~std::ptrdiff_t{7});
+  std::uint64_t string;
+  std::memcpy(&string, at.left, sizeof(string));
+  const auto left = hn::Set(d, string);
+  const auto count = [&](int i) AGS_LAMBDA {
+    const auto right = hn::Load(d, reinterpret_cast<const std::uint64_t*>(from + 64 * i));
+    return hn::PopulationCount(hn::Xor(left, right));
+  };
+  const auto a = hn::Or3(count(0), hn::ShiftLeft<8>(count(1)), hn::ShiftLeft<16>(count(2)));
+  const auto b = hn::Or3(hn::ShiftLeft<24>(count(3)), hn::ShiftLeft<32>(count(4)),
+                         hn::ShiftLeft<40>(count(5)));
+  const auto c = hn::Or3(a, hn::ShiftLeft<48>(count(6)), hn::ShiftLeft<56>(count(7)));
+  const auto counts = hn::Or(b, c), rest = count(8);
+  const __m512i order = _mm512_load_si512(kCountOrder.from[column & 7]);
+  return {_mm512_permutex2var_epi8(counts.raw, order, rest.raw)};
+}
+
+#else
+
+// Plane by plane: byte p of all pixels' strings side by side.
+constexpr bool kCensusByPixel = false;
+
+HWY_INLINE void OrderByPixel(int, CensusWindow, const std::uint8_t*, std::uint8_t*) {}
+
+#undef AGS_FAST_POPCOUNT
+// Whether the target counts the bits of a byte in one instruction.
+#if HWY_TARGET == HWY_NEON
+#define AGS_FAST_POPCOUNT 1
+#else
+#define AGS_FAST_POPCOUNT 0
+#endif
+
+// Full adder, bit by bit: a + b + c = sum + 2 * carry.
+template <class V>
+HWY_INLINE void AddBits(V a, V b, V c, V* sum, V* carry) {
+  const V half = hn::Xor(a, b);
+  *sum = hn::Xor(half, c);
+  *carry = hn::Or(hn::And(a, b), hn::And(half, c));
+}
+
+// Sum over the planes of the number of bits set in each byte.
+template <int kPlanes, class V>
+HWY_INLINE V CountBits(const V* x) {
+  if (AGS_FAST_POPCOUNT || kPlanes < 6) {
+    V count = hn::PopulationCount(x[0]);
+    for (int p = 1; p < kPlanes; ++p) count = hn::Add(count, hn::PopulationCount(x[p]));
+    return count;
+  }
+  // Counting by table is slow, so bits are added up across the planes first.
+  V ones, twos, fours, sum_a, sum_b, carry_a, carry_b, carry_c;
+  AddBits(x[0], x[1], x[2], &sum_a, &carry_a);
+  AddBits(x[3], x[4], x[5], &sum_b, &carry_b);
+  if (kPlanes == 6) {
+    ones = hn::Xor(sum_a, sum_b);
+    carry_c = hn::And(sum_a, sum_b);
+  } else {
+    AddBits(sum_a, sum_b, x[kPlanes - 2], &ones, &carry_c);
+  }
+  AddBits(carry_a, carry_b, carry_c, &twos, &fours);
+  V high = hn::PopulationCount(fours);
+  high = hn::Add(hn::Add(high, high), hn::PopulationCount(twos));
+  V count = hn::Add(hn::Add(high, high), hn::PopulationCount(ones));
+  if (kPlanes == 8) count = hn::Add(count, hn::PopulationCount(x[kPlanes - 1]));
+  return count;
+}
+
+// Where the census bytes of a pixel and of its first disparity stand. In the mirrored row,
+// disparity index k is k bytes further.
+struct CensusPlaces {
+  const std::uint8_t* left;
+  const std::uint8_t* right;
+  std::size_t stride;
+  std::ptrdiff_t column;  // of the first disparity in the mirrored row
+};
+
+HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row, int x) {
+  const std::ptrdiff_t column = frame.width - 1 - x + frame.min_disparity;
+  return {row.left + kCensusMargin + x, row.right + kCensusMargin + column,
+          censusStride(frame.width), column};
+}
+
+// Costs of a vector of disparities from index k on.
+template <int kPlanes>
+HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(const CensusPlaces& at, int k) {
+  const hn::ScalableTag<std::uint8_t> d;
+  hn::Vec<hn::ScalableTag<std::uint8_t>> different[kPlanes];
+  for (int p = 0; p < kPlanes; ++p) {
+    different[p] =
+        hn::Xor(hn::Set(d, at.left[p * at.stride]), hn::LoadU(d, at.right + p * at.stride + k));
+  }
+  return CountBits<kPlanes>(different);
+}
+
+HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(CensusWindow window,
+                                                                   const CensusPlaces& at, int k) {
+  switch (window) {
+    case CensusWindow::k5x5:
+      return HammingDistances<censusPlanes(CensusWindow::k5x5)>(at, k);
+    case CensusWindow::k7x7:
+      return HammingDistances<censusPlanes(CensusWindow::k7x7)>(at, k);
+    case CensusWindow::k9x7:
+      break;
+  }
+  return HammingDistances<censusPlanes(CensusWindow::k9x7)>(at, k);
+}
+
+#endif
+
+}  // namespace HWY_NAMESPACE
+}  // namespace adaptive_grid_stereo
+HWY_AFTER_NAMESPACE();
+
+#endif  // ADAPTIVE_GRID_STEREO_SRC_MATCHING_HAMMING_DISTANCE_INL_H
