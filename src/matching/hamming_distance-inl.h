@@ -63,10 +63,17 @@ struct CensusPlaces {
   std::ptrdiff_t column;      // of the first disparity in the mirrored row
 };
 
+// How far ahead a pixel's strings are fetched.
+constexpr std::ptrdiff_t kPixelsAhead = 24;
+
 HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row, int x) {
   const std::ptrdiff_t column = frame.width - 1 - x + frame.min_disparity;
-  return {row.left + kCensusBytes * (kCensusMargin + x), row.right + kCensusBytes * kCensusMargin,
-          column};
+  const std::uint8_t* left = row.left + kCensusBytes * (kCensusMargin + x);
+  const std::uint8_t* right = row.right + kCensusBytes * kCensusMargin;
+  // Among the many streams of path costs, hardware does not see that these two go on.
+  __builtin_prefetch(left + kCensusBytes * kPixelsAhead);
+  __builtin_prefetch(right + kCensusBytes * (column - kPixelsAhead));
+  return {left, right, column};
 }
 
 // After eight vectors of eight counts each have been laid into each other, count n stands in byte
@@ -158,6 +165,9 @@ HWY_INLINE V CountBits(const V* x) {
   return count;
 }
 
+// How far ahead a pixel's bytes are fetched.
+constexpr std::ptrdiff_t kPixelsAhead = 72;
+
 // Where the census bytes of a pixel and of its first disparity stand. In the mirrored row,
 // disparity index k is k bytes further.
 struct CensusPlaces {
@@ -169,8 +179,14 @@ struct CensusPlaces {
 
 HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row, int x) {
   const std::ptrdiff_t column = frame.width - 1 - x + frame.min_disparity;
-  return {row.left + kCensusMargin + x, row.right + kCensusMargin + column,
-          censusStride(frame.width), column};
+  const std::size_t stride = censusStride(frame.width);
+  const std::uint8_t* left = row.left + kCensusMargin + x;
+  const std::uint8_t* right = row.right + kCensusMargin + column;
+  // One plane per pixel in turn; see above.
+  const std::size_t plane = (x & (kCensusBytes - 1)) * stride;
+  __builtin_prefetch(left + plane + kPixelsAhead);
+  __builtin_prefetch(right + plane - kPixelsAhead);
+  return {left, right, stride, column};
 }
 
 // Costs of a vector of disparities from index k on.
