@@ -41,11 +41,11 @@ cv::Mat matched(bool refined) {
 
 void BM_SmallRegions(benchmark::State& state) {
   const cv::Mat disparity = matched(false);
-  RegionBuffers buffers;
+  SmallRegions regions;
   cv::Mat work;
   for (auto _ : state) {
     disparity.copyTo(work);
-    removeSmallRegions(100, 3 * kDisparityScale, &buffers, &work);
+    removeSmallRegions(100, 3 * kDisparityScale, &regions, &work);
   }
   state.SetItemsProcessed(state.iterations() * kWidth * kHeight);
 }

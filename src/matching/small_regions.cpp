@@ -1,3 +1,4 @@
+// Regions are made of runs; those of adjacent rows are joined by union-find.
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -8,107 +9,150 @@
 namespace adaptive_grid_stereo {
 namespace {
 
-// Regions are made of runs; those of adjacent rows are joined by union-find.
-class Regions {
- public:
-  using Run = RegionBuffers::Run;
+template <class Runs>
+std::int32_t rootOf(const Runs& runs, std::int32_t run) {
+  while (runs[run].parent != run) run = runs[run].parent;
+  return run;
+}
 
-  Regions(RegionBuffers* buffers, int max_step) : b_(*buffers), max_step_(max_step) {
-    b_.runs.clear();
-    b_.row_begin.assign(1, 0);
+template <class Runs>
+std::int32_t shortenedRoot(Runs* runs, std::int32_t run) {
+  while ((*runs)[run].parent != run) {
+    (*runs)[run].parent = (*runs)[(*runs)[run].parent].parent;
+    run = (*runs)[run].parent;
   }
+  return run;
+}
 
-  void addRow(const std::int16_t* values, int width) {
-    constexpr int kWord = sizeof(std::uint64_t);
-    b_.edges.assign((width + kWord - 1) / kWord * kWord, 0);
-    std::uint8_t* edges = b_.edges.data();
-    const int max_step = max_step_;
-    for (int x = 1; x < width; ++x) {
-      const int value = values[x], before = values[x - 1];
-      edges[x] = (std::abs(value - before) > max_step) |
-                 ((value == kInvalidDisparity) != (before == kInvalidDisparity));
-    }
-    int begin = 0;
-    for (int x = 0; x < width; x += kWord) {
-      std::uint64_t word;
-      std::memcpy(&word, edges + x, kWord);
-      if (word == 0) continue;
-      for (int edge = x; edge < x + kWord; ++edge) {
-        if (edges[edge] == 0) continue;
-        addRun(values, begin, edge);
-        begin = edge;
-      }
-    }
-    addRun(values, begin, width);
-    b_.row_begin.push_back(static_cast<std::int32_t>(b_.runs.size()));
+template <class Runs>
+void unite(Runs* runs, std::int32_t a, std::int32_t b) {
+  a = shortenedRoot(runs, a);
+  b = shortenedRoot(runs, b);
+  if (a == b) return;
+  if ((*runs)[a].size < (*runs)[b].size) std::swap(a, b);
+  (*runs)[b].parent = a;
+  (*runs)[a].size += (*runs)[b].size;
+}
+
+// Whether any of the pixels one above the other belong together.
+bool touch(const std::int16_t* above, const std::int16_t* here, int count, int max_step) {
+  for (int x = 0; x < count; ++x) {
+    if (std::abs(above[x] - here[x]) <= max_step) return true;
   }
-
-  // Joins row y to the one above it.
-  void joinRows(const std::int16_t* values_above, const std::int16_t* values, int y) {
-    std::int32_t a = b_.row_begin[y - 1], b = b_.row_begin[y];
-    const std::int32_t end_a = b, end_b = b_.row_begin[y + 1];
-    while (a < end_a && b < end_b) {
-      const Run &above = b_.runs[a], &here = b_.runs[b];
-      const int begin = std::max(above.begin, here.begin), end = std::min(above.end, here.end);
-      const bool above_ends_first = above.end < here.end;
-      if (touch(values_above, values, begin, end)) join(a, b);
-      ++(above_ends_first ? a : b);
-    }
-  }
-
-  std::int32_t root(std::int32_t run) {
-    while (b_.runs[run].parent != run) {
-      b_.runs[run].parent = b_.runs[b_.runs[run].parent].parent;
-      run = b_.runs[run].parent;
-    }
-    return run;
-  }
-
- private:
-  void addRun(const std::int16_t* values, int begin, int end) {
-    if (values[begin] == kInvalidDisparity) return;
-    const std::int32_t run = static_cast<std::int32_t>(b_.runs.size());
-    b_.runs.push_back({begin, end, run, end - begin});
-  }
-
-  bool touch(const std::int16_t* above, const std::int16_t* values, int begin, int end) const {
-    for (int x = begin; x < end; ++x) {
-      if (std::abs(above[x] - values[x]) <= max_step_) return true;
-    }
-    return false;
-  }
-
-  void join(std::int32_t a, std::int32_t b) {
-    a = root(a);
-    b = root(b);
-    if (a == b) return;
-    if (b_.runs[a].size < b_.runs[b].size) std::swap(a, b);
-    b_.runs[b].parent = a;
-    b_.runs[a].size += b_.runs[b].size;
-  }
-
-  RegionBuffers& b_;
-  const int max_step_;
-};
+  return false;
+}
 
 }  // namespace
 
-void removeSmallRegions(int max_size, int max_step, RegionBuffers* buffers, cv::Mat* disparity) {
-  const int width = disparity->cols, height = disparity->rows;
-  Regions regions(buffers, max_step);
-  for (int y = 0; y < height; ++y) {
-    const std::int16_t* values = disparity->ptr<std::int16_t>(y);
-    regions.addRow(values, width);
-    if (y > 0) regions.joinRows(disparity->ptr<std::int16_t>(y - 1), values, y);
+void SmallRegions::start(const cv::Mat& disparity, int max_step, int parts) {
+  disparity_ = disparity;
+  max_step_ = max_step;
+  parts_ = parts;
+  part_.resize(parts);
+}
+
+void SmallRegions::find(int index) {
+  Part& part = part_[index];
+  part.runs.clear();
+  part.row_begin.assign(1, 0);
+  const int first = firstRow(index), last = firstRow(index + 1);
+  for (int y = first; y < last; ++y) {
+    addRow(y, &part);
+    const std::int32_t end = static_cast<std::int32_t>(part.runs.size());
+    if (y > first) {
+      const std::size_t row = static_cast<std::size_t>(y) - first;
+      joinRows(y, &part.runs, part.row_begin[row - 1], part.row_begin[row], end);
+    }
+    part.row_begin.push_back(end);
   }
-  for (int y = 0; y < height; ++y) {
-    std::int16_t* values = disparity->ptr<std::int16_t>(y);
-    for (std::int32_t run = buffers->row_begin[y]; run < buffers->row_begin[y + 1]; ++run) {
-      if (buffers->runs[regions.root(run)].size > max_size) continue;
-      std::fill(values + buffers->runs[run].begin, values + buffers->runs[run].end,
-                kInvalidDisparity);
+}
+
+void SmallRegions::addRow(int y, Part* part) const {
+  constexpr int kWord = sizeof(std::uint64_t);
+  const std::int16_t* values = disparity_.ptr<std::int16_t>(y);
+  const int width = disparity_.cols, max_step = max_step_;
+  part->edges.assign((width + kWord - 1) / kWord * kWord, 0);
+  std::uint8_t* edges = part->edges.data();
+  for (int x = 1; x < width; ++x) {
+    const int value = values[x], before = values[x - 1];
+    edges[x] = (std::abs(value - before) > max_step) |
+               ((value == kInvalidDisparity) != (before == kInvalidDisparity));
+  }
+  std::vector<Run>& runs = part->runs;
+  const auto addRun = [&](int begin, int end) {
+    if (values[begin] == kInvalidDisparity) return;
+    runs.push_back({begin, end, static_cast<std::int32_t>(runs.size()), end - begin});
+  };
+  int begin = 0;
+  for (int x = 0; x < width; x += kWord) {
+    std::uint64_t word;
+    std::memcpy(&word, edges + x, kWord);
+    if (word == 0) continue;
+    for (int edge = x; edge < x + kWord; ++edge) {
+      if (edges[edge] == 0) continue;
+      addRun(begin, edge);
+      begin = edge;
     }
   }
+  addRun(begin, width);
+}
+
+// Joins row y, whose runs are here .. end - 1, to the row before, whose runs are above .. here - 1.
+void SmallRegions::joinRows(int y, std::vector<Run>* runs, std::int32_t above, std::int32_t here,
+                            std::int32_t end) const {
+  const std::int16_t* values_above = disparity_.ptr<std::int16_t>(y - 1);
+  const std::int16_t* values = disparity_.ptr<std::int16_t>(y);
+  const std::int32_t above_end = here;
+  while (above < above_end && here < end) {
+    const Run &a = (*runs)[above], &b = (*runs)[here];
+    const int first = std::max(a.begin, b.begin), last = std::min(a.end, b.end);
+    const bool above_ends_first = a.end < b.end;
+    if (touch(values_above + first, values + first, last - first, max_step_)) {
+      unite(runs, above, here);
+    }
+    ++(above_ends_first ? above : here);
+  }
+}
+
+void SmallRegions::join() {
+  runs_.clear();
+  row_begin_.clear();
+  for (Part& part : part_) {
+    const std::int32_t offset = static_cast<std::int32_t>(runs_.size());
+    for (std::size_t row = 0; row + 1 < part.row_begin.size(); ++row) {
+      row_begin_.push_back(part.row_begin[row] + offset);
+    }
+    if (offset == 0) {
+      std::swap(runs_, part.runs);
+      continue;
+    }
+    for (const Run& run : part.runs) {
+      runs_.push_back({run.begin, run.end, run.parent + offset, run.size});
+    }
+  }
+  row_begin_.push_back(static_cast<std::int32_t>(runs_.size()));
+  for (int part = 1; part < parts_; ++part) {
+    const int y = firstRow(part);
+    if (y == 0 || y == firstRow(part + 1)) continue;
+    joinRows(y, &runs_, row_begin_[y - 1], row_begin_[y], row_begin_[y + 1]);
+  }
+}
+
+void SmallRegions::erase(int part, int max_size, cv::Mat* disparity) const {
+  for (int y = firstRow(part); y < firstRow(part + 1); ++y) {
+    std::int16_t* values = disparity->ptr<std::int16_t>(y);
+    for (std::int32_t run = row_begin_[y]; run < row_begin_[y + 1]; ++run) {
+      if (runs_[rootOf(runs_, run)].size > max_size) continue;
+      std::fill(values + runs_[run].begin, values + runs_[run].end, kInvalidDisparity);
+    }
+  }
+}
+
+void removeSmallRegions(int max_size, int max_step, SmallRegions* regions, cv::Mat* disparity) {
+  regions->start(*disparity, max_step, 1);
+  regions->find(0);
+  regions->join();
+  regions->erase(0, max_size, disparity);
 }
 
 }  // namespace adaptive_grid_stereo

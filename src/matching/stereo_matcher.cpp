@@ -59,7 +59,7 @@ struct StereoMatcher::Impl {
   AlignedBuffer<std::uint8_t> left_census, right_census;
   std::vector<std::vector<std::uint8_t>> census_planes;  // of a row, for each thread
   Sweeps sweeps;
-  RegionBuffers regions;
+  SmallRegions regions;
   cv::Mat unfiltered;
   std::atomic<bool> stop{false};
 
@@ -123,8 +123,10 @@ void StereoMatcher::Impl::refine() {
     });
   }
   if (config.speckle_size > 0) {
-    removeSmallRegions(config.speckle_size, config.speckle_range * kDisparityScale, &regions,
-                       &unfiltered);
+    regions.start(unfiltered, config.speckle_range * kDisparityScale, threads);
+    pool->run([&](int thread) { regions.find(thread); });
+    regions.join();
+    pool->run([&](int thread) { regions.erase(thread, config.speckle_size, &unfiltered); });
   }
   if (!config.median_filter) {
     unfiltered.copyTo(result.disparity);

@@ -25,7 +25,7 @@ cv::Mat randomDisparity(cv::Size size, unsigned seed) {
 bool equal(const cv::Mat& a, const cv::Mat& b) { return cv::countNonZero(a != b) == 0; }
 
 TEST(SmallRegions, equalOpenCvAndTheReference) {
-  RegionBuffers buffers;
+  SmallRegions regions;
   for (unsigned seed = 1; seed < 40; ++seed) {
     cv::RNG rng(seed);
     const cv::Mat disparity =
@@ -35,12 +35,31 @@ TEST(SmallRegions, equalOpenCvAndTheReference) {
     config.speckle_size = rng.uniform(1, 60);
     config.speckle_range = rng.uniform(0, 4);
     cv::Mat ours = disparity.clone(), theirs = disparity.clone();
-    removeSmallRegions(config.speckle_size, config.speckle_range * kDisparityScale, &buffers,
-                       &ours);
-    cv::filterSpeckles(theirs, kInvalidDisparity, config.speckle_size,
-                       config.speckle_range * kDisparityScale);
+    const int max_step = config.speckle_range * kDisparityScale;
+    removeSmallRegions(config.speckle_size, max_step, &regions, &ours);
+    cv::filterSpeckles(theirs, kInvalidDisparity, config.speckle_size, max_step);
     EXPECT_TRUE(equal(theirs, ours)) << "seed " << seed;
     EXPECT_TRUE(equal(reference::refine(disparity, cv::Mat(), config), ours)) << "seed " << seed;
+  }
+}
+
+TEST(SmallRegions, areTheSameForAnyNumberOfParts) {
+  SmallRegions regions;
+  for (unsigned seed = 1; seed < 40; ++seed) {
+    cv::RNG rng(seed);
+    const cv::Mat disparity =
+        randomDisparity(cv::Size(rng.uniform(1, 90), rng.uniform(1, 70)), seed);
+    const int max_size = rng.uniform(1, 60), max_step = rng.uniform(0, 70);
+    cv::Mat whole = disparity.clone();
+    removeSmallRegions(max_size, max_step, &regions, &whole);
+    for (const int parts : {2, 3, 8, 100}) {
+      cv::Mat joined = disparity.clone();
+      regions.start(joined, max_step, parts);
+      for (int part = parts - 1; part >= 0; --part) regions.find(part);
+      regions.join();
+      for (int part = 0; part < parts; ++part) regions.erase(part, max_size, &joined);
+      EXPECT_TRUE(equal(whole, joined)) << "seed " << seed << ", " << parts << " parts";
+    }
   }
 }
 

@@ -17,22 +17,54 @@ namespace adaptive_grid_stereo {
 void removeLowContrast(const PaddedImage& left, CensusWindow window, double min_contrast,
                        int first_row, int last_row, cv::Mat* disparity);
 
-/// Buffers of removeSmallRegions, reused from frame to frame.
-struct RegionBuffers {
-  /// Neighbours in a row whose values differ by little enough: columns [begin, end). `parent` leads
-  /// to the root of its region, which has the region's `size` [px].
+/// Finds four-connected regions of valid pixels, neighbours of which belong together if their
+/// values differ by at most max_step [fixed point], and drops the small ones. The image is cut into
+/// parts, bands of rows, which threads may work at: start(), find() for each part, join(), and
+/// erase() for each part. find() and erase() are thread safe for different parts; the result does
+/// not depend on their number. Keeps its buffers from frame to frame.
+class SmallRegions {
+ public:
+  /// disparity: CV_16SC1; its values must stay as they are until join() has returned.
+  void start(const cv::Mat& disparity, int max_step, int parts);
+
+  /// Finds the regions of a part.
+  void find(int part);
+
+  /// Joins regions across the parts' borders.
+  void join();
+
+  /// Sets regions of at most max_size [px] to kInvalidDisparity within a part.
+  void erase(int part, int max_size, cv::Mat* disparity) const;
+
+ private:
+  // Neighbours in a row that belong together: columns [begin, end). `parent` leads to the root of
+  // the region, which has the region's `size` [px].
   struct Run {
     std::int32_t begin, end, parent, size;
   };
-  std::vector<Run> runs;
-  std::vector<std::int32_t> row_begin;  // [y] first run of the row
-  std::vector<std::uint8_t> edges;      // [x] 1 where a run begins or ends
+  struct Part {
+    std::vector<Run> runs;
+    std::vector<std::int32_t> row_begin;  // first run of each row
+    std::vector<std::uint8_t> edges;      // [x] 1 where a run begins or ends
+  };
+
+  int firstRow(int part) const { return disparity_.rows * part / parts_; }
+  void addRow(int y, Part* part) const;
+  void joinRows(int y, std::vector<Run>* runs, std::int32_t above, std::int32_t here,
+                std::int32_t end) const;
+
+  cv::Mat disparity_;
+  int max_step_ = 0;
+  int parts_ = 0;
+  std::vector<Part> part_;
+  std::vector<Run> runs_;                // of all parts
+  std::vector<std::int32_t> row_begin_;  // [y]
 };
 
 /// Sets four-connected regions of at most max_size [px] valid pixels to kInvalidDisparity;
 /// neighbours belong to one region if their values differ by at most max_step [fixed point]. The
 /// result equals that of cv::filterSpeckles. disparity: CV_16SC1, in place.
-void removeSmallRegions(int max_size, int max_step, RegionBuffers* buffers, cv::Mat* disparity);
+void removeSmallRegions(int max_size, int max_step, SmallRegions* regions, cv::Mat* disparity);
 
 /// 3x3 median of rows [first_row, last_row): invalid neighbours, and those beyond the image, count
 /// as the centre, and an invalid centre stays invalid, so that nothing is filled and nothing
