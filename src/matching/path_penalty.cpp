@@ -11,33 +11,64 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
-// P2 of a vector of pixels by their grey-level steps; `tables` sixteenths of the table have to be
-// looked up.
-HWY_INLINE V8 LookUpPenalties(D8 d, const std::uint8_t* table, int tables, V8 step) {
-  const V8 index = hn::And(step, hn::Set(d, std::uint8_t{15}));
-  V8 penalty = hn::Set(d, table[255]);
-  for (int t = tables - 1; t >= 0; --t) {
-    const V8 entries = hn::TableLookupBytes(hn::LoadDup128(d, table + 16 * t), index);
-    const V8 last = hn::Set(d, static_cast<std::uint8_t>(16 * t + 15));
-    penalty = hn::IfThenElse(hn::Eq(hn::Min(step, last), step), entries, penalty);
+#if HWY_TARGET == HWY_AVX3_DL
+
+// Looks up P2 of a vector of pixels by their grey-level steps, in the whole table at once.
+class PenaltyTable {
+ public:
+  HWY_ATTR explicit PenaltyTable(const std::uint8_t* table) {
+    for (int i = 0; i < 4; ++i) quarters_[i] = hn::LoadU(D8(), table + 64 * i);
   }
-  return penalty;
-}
+  HWY_INLINE V8 At(V8 step) const {
+    const __m512i low = _mm512_permutex2var_epi8(quarters_[0].raw, step.raw, quarters_[1].raw);
+    const __m512i high = _mm512_permutex2var_epi8(quarters_[2].raw, step.raw, quarters_[3].raw);
+    return V8{_mm512_mask_mov_epi8(low, _mm512_movepi8_mask(step.raw), high)};
+  }
+
+ private:
+  V8 quarters_[4];
+};
+
+#else
+
+// Looks up P2 of a vector of pixels by their grey-level steps, sixteen entries at a time. The table
+// falls until it stays at its last value; only that part has to be looked up.
+class PenaltyTable {
+ public:
+  HWY_ATTR explicit PenaltyTable(const std::uint8_t* table) : table_(table) {
+    while (parts_ > 1 && table[16 * (parts_ - 1) - 1] == table[255]) --parts_;
+  }
+  HWY_INLINE V8 At(V8 step) const {
+    const D8 d;
+    const V8 index = hn::And(step, hn::Set(d, std::uint8_t{15}));
+    V8 penalty = hn::Set(d, table_[255]);
+    for (int t = parts_ - 1; t >= 0; --t) {
+      const V8 entries = hn::TableLookupBytes(hn::LoadDup128(d, table_ + 16 * t), index);
+      const V8 last = hn::Set(d, static_cast<std::uint8_t>(16 * t + 15));
+      penalty = hn::IfThenElse(hn::Eq(hn::Min(step, last), step), entries, penalty);
+    }
+    return penalty;
+  }
+
+ private:
+  const std::uint8_t* table_;
+  int parts_ = 16;
+};
+
+#endif
 
 HWY_ATTR void PenaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous,
                          int directions, int begin, int end, const std::uint8_t* table,
                          std::uint8_t* penalties) {
   const D8 d;
-  // The table falls until it stays at its last value; only that part has to be looked up.
-  int tables = 16;
-  while (tables > 1 && table[16 * (tables - 1) - 1] == table[255]) --tables;
+  const PenaltyTable penalty_of(table);
   const int lanes = static_cast<int>(hn::Lanes(d));
   for (int u = begin; u < end; u += lanes) {
     const V8 grey = hn::LoadU(d, current + u);
     for (int r = 0; r < directions; ++r) {
       const V8 other = hn::LoadU(d, previous[r] + u);
       const V8 step = hn::Sub(hn::Max(grey, other), hn::Min(grey, other));
-      hn::Store(LookUpPenalties(d, table, tables, step), d, penalties + penaltyPlace(u, r));
+      hn::Store(penalty_of.At(step), d, penalties + penaltyPlace(u, r));
     }
   }
 }
