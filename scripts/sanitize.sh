@@ -1,33 +1,47 @@
 #!/bin/bash
 # Builds with a sanitizer in a build folder of its own, and runs the tests: all of them for "address" (with
 # undefined behaviour), those of matching and guidance and of the threads around them for "thread".
-#   scripts/sanitize.sh address|thread [--simd]
+#   scripts/sanitize.sh address|thread [--simd] [--quick]
+# --quick builds and runs less: matching, guidance and the fuzzers' seeds for "address", matching for "thread".
 # The kernels are the plain C++ ones, unless --simd is given: with a sanitizer, gcc needs many minutes for the SIMD
 # ones. (scripts/fuzz.sh has those under the address sanitizer, by clang.)
 # Any report of any process fails, also one of a node that a test starts.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-usage="usage: sanitize.sh address|thread [--simd]"
+usage="usage: sanitize.sh address|thread [--simd] [--quick]"
 kind="${1:-}"
 highway=OFF
-case "${2:-}" in
-  "") ;;
-  --simd) highway=ON ;;
-  *) fail "there is no option $2; $usage" ;;
-esac
+quick=false
+for option in "${@:2}"; do
+  case "$option" in
+    --simd) highway=ON ;;
+    --quick) quick=true ;;
+    *) fail "there is no option $option; $usage" ;;
+  esac
+done
+# The programs of a folder of tests are called after its files.
+programs() { basename -s .cpp "$repository/test/$1"/*_test.cpp; }
 case "$kind" in
   address)
     flags=address,undefined
     runtime=libasan.so
     # Starts the whole launch file, whose manager cannot be given the sanitizer's library.
     tests=(-E process_faults)
+    if $quick; then
+      tests=(-R '^matching|^guidance|^fuzz')
+      targets=($(programs matching) $(programs guidance | sed 's/^/guidance_/') fuzzers)
+    fi
     ;;
   thread)
     flags=thread
     runtime=libtsan.so
     # Not the running node: roscpp is not built with the sanitizer, which then sees hundreds of races in it.
     tests=(-R '^matching|^guidance|gtest_(mailbox|governor|diagnostics|motion_subscriber)_test')
+    if $quick; then
+      tests=(-R '^matching')
+      targets=($(programs matching))
+    fi
     ;;
   *) fail "$usage" ;;
 esac
@@ -37,8 +51,12 @@ say "Building in $build"
 # With the tracking of variables gcc spends minutes on the kernels, to give up in the end.
 cmake -S "$repository" -B "$build" -DCMAKE_BUILD_TYPE=RelWithDebInfo \
   -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -fno-var-tracking" -DAGS_SANITIZE="$flags" -DAGS_WITH_HIGHWAY="$highway"
-cmake --build "$build" -j"${AGS_JOBS:-$(nproc)}"
-cmake --build "$build" -j"${AGS_JOBS:-$(nproc)}" --target tests
+if $quick; then
+  cmake --build "$build" -j"${AGS_JOBS:-$(nproc)}" --target "${targets[@]}"
+else
+  cmake --build "$build" -j"${AGS_JOBS:-$(nproc)}"
+  cmake --build "$build" -j"${AGS_JOBS:-$(nproc)}" --target tests
+fi
 
 say "Testing"
 reports="$build/sanitizer_reports"

@@ -163,7 +163,9 @@ HWY_INLINE bool HasRival(std::uint16_t* sums, int padded_range, int winner,
   const D16 d;
   std::uint16_t* odd_sums = OddSums(sums, padded_range);
   for (int k = std::max(0, winner - 1); k <= std::min(padded_range - 1, winner + 1); ++k) {
-    (k % 2 == 0 ? sums : odd_sums)[k / 2] = kNoSum;
+    // In two steps: GCC 12's undefined-behaviour sanitizer gets (a ? b : c)[i] wrong.
+    std::uint16_t* of_parity = k % 2 == 0 ? sums : odd_sums;
+    of_parity[k / 2] = kNoSum;
   }
   const V16 limit =
       hn::Set(d, static_cast<std::uint16_t>(std::min<std::uint32_t>(threshold, 0xFFFF)));
