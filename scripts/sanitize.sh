@@ -26,9 +26,9 @@ case "$kind" in
   address)
     flags=address,undefined
     runtime=libasan.so
-    # The first starts the whole launch file, whose manager cannot be given the sanitizer's library. In the others
-    # images come in real time, too fast for plain kernels with a sanitizer in them.
-    tests=(-E 'process_faults|sim_main_path|offline_equals_live')
+    # One starts the whole launch file, whose manager cannot be given the sanitizer's library. To the other, images
+    # come in real time, too fast for plain kernels with a sanitizer in them.
+    tests=(-E 'process_faults|sim_main_path')
     if $quick; then
       tests=(-R '^matching|^guidance|^fuzz')
       targets=($(programs matching) $(programs guidance | sed 's/^/guidance_/') fuzzers)
