@@ -92,9 +92,7 @@ struct PixelSweep {
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
         AddFirstSweep(volume + at, &part[i]);
-        if (kPlace == Place::kInner && kPadded == 0) {
-          DropSumsBeyond(frame.layout.range, at, &part[i]);
-        }
+        if (kPlace == Place::kInner) DropSumsBeyond(frame.layout.range, at, &part[i]);
         if (kPlace == Place::kBorder) KeepCandidates(candidates, at, &part[i]);
         hn::Store(part[i].even, d16, sums + at / 2);
         hn::Store(part[i].odd, d16, odd_sums + at / 2);
@@ -199,7 +197,6 @@ struct PixelSweep {
   static HWY_INLINE V8 EndCosts(const SweepFrame& frame, int k, V8 cost) {
     const D8 d;
     const int range = frame.layout.range;
-    if (kPadded > 0 && kPlace == Place::kInner) return cost;
     if (k + static_cast<int>(hn::Lanes(d)) <= range) return cost;
     return hn::IfThenElse(hn::FirstN(d, std::max(0, range - k)), cost,
                           hn::Set(d, std::uint8_t{255}));

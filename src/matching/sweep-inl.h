@@ -106,9 +106,6 @@ HWY_INLINE bool IsLongRange(const PathLayout& layout) {
   return layout.padded_range > kSearchBlocks * static_cast<int>(hn::Lanes(D8()));
 }
 
-// Padded ranges that have kernels of their own, which SweepPixels() chooses.
-HWY_INLINE bool HasOwnKernel(int padded_range) { return padded_range == 64 || padded_range == 128; }
-
 // A run of pixels of one kind.
 template <bool kSecondSweep>
 HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
@@ -222,8 +219,7 @@ HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const SweepRow* rows, in
   }
 }
 
-// Columns whose disparities all stay inside the right image; none if no kernel makes use of that:
-// one for a certain padded range needs it filled.
+// Columns whose disparities all stay inside the right image; none if no kernel makes use of that.
 struct InnerColumns {
   int begin, end;
   bool holds(int u) const { return u >= begin && u < end; }
@@ -231,8 +227,7 @@ struct InnerColumns {
 
 HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame, bool second_sweep) {
   const PathLayout& layout = frame.layout;
-  const bool filled = layout.range == layout.padded_range;
-  if (IsLongRange(layout) || (HasOwnKernel(layout.padded_range) && !filled)) return {0, 0};
+  if (IsLongRange(layout)) return {0, 0};
   const int begin = std::max(0, frame.min_disparity + layout.range - 1);
   const int end = std::min(frame.width, frame.width + frame.min_disparity);
   if (second_sweep) return {frame.width - end, frame.width - begin};

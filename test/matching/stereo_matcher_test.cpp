@@ -128,6 +128,13 @@ TEST_F(ReferenceTest, disparityRanges) {
     config_.disparity_range = range;
     expectReference(images_, uniformPlan(61, 37, 8), config_);
   }
+  // Wide enough for columns whose disparities all stay inside, whether they fill whole vectors or
+  // not.
+  for (const int range : {48, 80, 96, 112, 144}) {
+    config_.disparity_range = range;
+    expectReference(texturedPair(230, 16, 13, 5, range), uniformPlan(230, 16, 16), config_);
+    expectReference(texturedPair(230, 16, 13, 5, range), uniformPlan(230, 16, 4), config_);
+  }
 }
 
 TEST_F(ReferenceTest, minDisparities) {
