@@ -21,7 +21,9 @@ NAME_SPACE = "/stereo"
 LONGEST_RECOVERY = 10.0  # [s] from the end of a fault to the next served pair
 PARTS = 8  # of the run, for each of which the memory is told
 WARM_UP = 30.0  # [min] after which buffers have grown to what the faults ask for at most
-MEMORY_GROWTH = {True: 1.01, False: 1.1}  # by whether the middle is warm: largest factor from there to the last part
+# Largest factor of memory from the middle to the last part, if the middle comes after the warm-up and if before.
+WARM_GROWTH = 1.01
+COLD_GROWTH = 1.1
 LONGEST_LATE = 2.0  # [s] that frames may be over the deadline: the governor's steps down, with their windows
 
 
@@ -183,8 +185,8 @@ class Soak:
         count = len(self.memory)
         parts = [percentile(self.memory[count * i // PARTS:count * (i + 1) // PARTS], 0.5)
                  for i in range(PARTS)] if count >= PARTS else []
-        warm = self.options.minutes / 2 >= WARM_UP
-        if parts and parts[-1] > parts[PARTS // 2] * MEMORY_GROWTH[warm]:
+        growth = WARM_GROWTH if self.options.minutes / 2 >= WARM_UP else COLD_GROWTH
+        if parts and parts[-1] > parts[PARTS // 2] * growth:
             self.failures.append("memory grew from %.1f to %.1f MB" % (parts[PARTS // 2], parts[-1]))
         return parts
 

@@ -182,7 +182,8 @@ HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row,
   const std::size_t stride = censusStride(frame.width);
   const std::uint8_t* left = row.left + kCensusMargin + x;
   const std::uint8_t* right = row.right + kCensusMargin + column;
-  // One plane per pixel in turn; see above.
+  // Among the many streams of path costs, hardware does not see that these go on. One plane per
+  // pixel in turn.
   const std::size_t plane = (x & (kCensusBytes - 1)) * stride;
   __builtin_prefetch(left + plane + kPixelsAhead);
   __builtin_prefetch(right + plane - kPixelsAhead);

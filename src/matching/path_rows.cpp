@@ -25,14 +25,14 @@ static_assert(2 * kBandLag > kBandLag + 1 && 2 * kBandLag > kPathMargin,
 // so far behind its first one, and paths reach kPathMargin farther.
 constexpr int kSharedPixels = Strips::kReach;
 
-constexpr int kOwnersUnknown = -1;
+constexpr int kShared = -1;
 
-// The strip that alone touches column u, or kOwnersUnknown.
+// The strip that alone touches column u, or kShared.
 int ownerOf(const std::vector<int>& edges, int u) {
   const int inner_edges = static_cast<int>(edges.size()) - 2;
   int strip = 0;
   for (int i = 1; i <= inner_edges; ++i) {
-    if (std::abs(u - edges[i]) <= kSharedPixels) return kOwnersUnknown;
+    if (std::abs(u - edges[i]) <= kSharedPixels) return kShared;
     if (u >= edges[i]) strip = i;
   }
   return strip;
@@ -77,7 +77,7 @@ void PathRows::assign(bool second_sweep, const Strips& strips) {
   places.ring.resize(static_cast<std::size_t>(sets) * kBandRows * row_pixels_);
   for (std::size_t i = 0; i < row_pixels_; ++i) {
     const int owner = ownerOf(places.edges, static_cast<int>(i) - kPathMargin);
-    const bool owned = owner != kOwnersUnknown;
+    const bool owned = owner != kShared;
     for (std::size_t row = 0; row < 2 * kBoundaries; ++row) {
       const std::size_t place = (owned ? row % 2 : row) * row_pixels_ + i;
       places.boundary[row * row_pixels_ + i] = boundary_.data() + place * layout_.pixel_stride;
