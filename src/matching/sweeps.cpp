@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-
-#include "adaptive_grid_stereo/matching/census.h"
 
 namespace adaptive_grid_stereo {
 namespace {
