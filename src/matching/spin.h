@@ -1,10 +1,29 @@
 #ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_SPIN_H
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_SPIN_H
 
+#ifdef __linux__
+#include <sched.h>
+#endif
+
 namespace adaptive_grid_stereo {
 
 /// The longest that is worth it before sleeping, about 50 microseconds.
 constexpr int kMostSpins = 4000;
+
+/// No core: of a thread that runs on none, or where the system does not tell.
+constexpr int kNoCpu = -1;
+
+/// The core that the calling thread runs on, or kNoCpu.
+inline int currentCpu() {
+#ifdef __linux__
+  return sched_getcpu();
+#else
+  return kNoCpu;
+#endif
+}
+
+/// Whether a thread that was last seen on core `cpu` cannot go on while the calling thread runs.
+inline bool sharesMyCpu(int cpu) { return cpu != kNoCpu && cpu == currentCpu(); }
 
 /// Looks up to `spins` times whether ready(), some microseconds per thousand; returns whether it
 /// is.

@@ -26,6 +26,7 @@ double workOf(const PathPlan& plan, int column) {
 
 void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* stop) {
   stop_ = stop;
+  bands_ = (plan.row_edges[3] + kBandRows - 1) / kBandRows;
   const int width = plan.column_edges[3];
   const int count = std::clamp(width / kNarrowest, 1, threads);
   work_before_.assign(width + 1, 0.0);
@@ -46,32 +47,104 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
         std::clamp(step, edges_.back() + kNarrowest / 2, width - (count - strip) * kNarrowest / 2));
   }
   edges_.push_back(width + kPathMargin + kLag);
-  if (static_cast<int>(progress_.size()) != count) progress_ = std::vector<Progress>(count);
-  for (Progress& progress : progress_) progress.value = 0;
-}
-
-void Strips::tell(int strip, int value) {
-  Progress& progress = progress_[strip];
-  progress.value = value;
-  // Either this sees that somebody sleeps, or that one sees the value before it falls asleep.
-  if (progress.sleepers == 0) return;
-  { const std::lock_guard<std::mutex> lock(progress.mutex); }
-  progress.changed.notify_all();
-}
-
-void Strips::wait(int own, int other, int value) {
-  Progress& progress = progress_[other];
-  const auto reached = [&] { return progress.value >= value; };
-  int& spins = progress_[own].spins;
-  if (spinUntil(reached, spins)) {
-    spins = std::min(2 * spins, kMostSpins);
-    return;
+  if (static_cast<int>(strips_.size()) != count) strips_ = std::vector<Strip>(count);
+  for (Strip& strip : strips_) {
+    strip.stage = 0;
+    strip.awaited = kNever;
   }
-  spins = std::max(spins / 2, kFewestSpins);
-  std::unique_lock<std::mutex> lock(progress.mutex);
-  ++progress.sleepers;
-  progress.changed.wait(lock, reached);
-  --progress.sleepers;
+}
+
+Strips::Need Strips::needOf(int strip) const {
+  const int stage = strips_[strip].stage, band_begin = stage / kStages * kStages;
+  const bool begins = stage == band_begin, ends = stage == band_begin + kStages - 1;
+  if (begins && strip > 0) return {strip - 1, band_begin + kStages};
+  if (ends && strip + 1 < count()) return {strip + 1, band_begin - kStages + 1};
+  return {strip, stage};
+}
+
+bool Strips::canGoOn(int strip) const {
+  return !isFinished(strip) && isMet(needOf(strip));
+}
+
+bool Strips::tryToTake(int strip) {
+  Strip& wanted = strips_[strip];
+  if (wanted.taken || !canGoOn(strip) || wanted.taken.exchange(true)) return false;
+  if (canGoOn(strip)) return true;
+  leave(strip);  // another thread had it in between
+  return false;
+}
+
+void Strips::leave(int strip) {
+  Strip& left = strips_[strip];
+  left.taken = false;
+  if (left.sleepers == 0) return;
+  { const std::lock_guard<std::mutex> lock(left.mutex); }
+  left.changed.notify_all();
+}
+
+void Strips::reach(int strip, int stage) {
+  Strip& reached = strips_[strip];
+  reached.stage = stage;
+  // Either this sees what is awaited, or who waits sees the stage before it falls asleep.
+  if (reached.awaited > stage) return;
+  {
+    const std::lock_guard<std::mutex> lock(reached.mutex);
+    reached.awaited = kNever;
+  }
+  reached.changed.notify_all();
+}
+
+bool Strips::waitInHand(int strip) {
+  if (isFinished(strip)) return false;
+  const Need need = needOf(strip);
+  const Strip& other = strips_[need.strip];
+  const auto changed = [&] { return isMet(need) || !other.taken; };
+  std::atomic<int>& spins = strips_[strip].spins;
+  if (!changed() && sharesMyCpu(other.cpu)) return false;
+  if (spinUntil(changed, spins)) {
+    spins = std::min(2 * spins, kMostSpins);
+  } else {
+    spins = std::max(spins / 2, kFewestSpins);
+  }
+  return isMet(need);
+}
+
+Strips::Need Strips::findHolder(int strip) const {
+  Need need{strip, kNever};
+  while (!strips_[need.strip].taken) {
+    const Need next = needOf(need.strip);
+    if (isMet(next)) return {need.strip, 0};
+    need = next;
+  }
+  return need;
+}
+
+int Strips::take(int own) {
+  for (;;) {
+    for (int i = 0; i < count(); ++i) {
+      const int strip = (own + i) % count();
+      if (tryToTake(strip)) return strip;
+    }
+    // All others are in the hands of threads that will do the rest.
+    if (isFinished(own)) return -1;
+    const Need need = findHolder(own);
+    if (need.stage == 0) continue;
+    // To take turns with a thread on the same core is slower than to leave it all to that one.
+    if (sharesMyCpu(strips_[need.strip].cpu)) return -1;
+    sleepFor(need);
+  }
+}
+
+void Strips::sleepFor(const Need& need) {
+  Strip& other = strips_[need.strip];
+  std::unique_lock<std::mutex> lock(other.mutex);
+  ++other.sleepers;
+  for (;;) {
+    other.awaited = std::min<int>(other.awaited, need.stage);
+    if (isMet(need) || !other.taken) break;
+    other.changed.wait(lock);
+  }
+  --other.sleepers;
 }
 
 }  // namespace adaptive_grid_stereo

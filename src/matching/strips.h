@@ -17,8 +17,12 @@ namespace adaptive_grid_stereo {
 /// costs it reads are those it has written, which lie in its own caches. Only those on either side
 /// of a border between strips go from one thread to another.
 ///
-/// A thread may begin a band once its left neighbour has finished its strip there, and finish it
-/// once its right neighbour has begun the band above: its paths reach so far and no farther.
+/// A band of a strip can begin once its left neighbour has finished its strip there, and can be
+/// finished once its right neighbour has begun the band above: its paths reach so far and no
+/// farther. Of the strips that are not finished one can always go on.
+///
+/// Nothing depends on a thread that gets no core: whoever has to wait for a strip that nobody works
+/// on takes it over.
 class Strips {
  public:
   /// Steps after which what a left neighbour still needs of a band is there, and before the end of
@@ -37,50 +41,95 @@ class Strips {
   int edge(int strip) const { return edges_[strip]; }
   const std::vector<int>& edges() const { return edges_; }
 
-  /// Runs all bands of a strip: prepare(band), which must need nothing of other strips, then
-  /// work(band, first step, end step) for one part of the steps after the other. Called by one
-  /// thread per strip at the same time.
+  /// Works on strips until all are finished, or are in the hands of others: on `own` as long as it
+  /// can go on. prepare(strip, band) must need nothing of other strips; work(strip, band, first
+  /// step, end step) does one part of the band's steps after the other. No two threads work on a
+  /// strip at the same time. Called by any number of threads.
   template <class Prepare, class Work>
-  void run(int strip, int bands, const Prepare& prepare, const Work& work) {
-    const int begin = edge(strip), end = edge(strip + 1);
-    for (int band = 0; band < bands && !*stop_; ++band) {
-      prepare(band);
-      if (count() == 1) {
-        work(band, begin, end);
-        continue;
-      }
-      if (strip > 0) wait(strip, strip - 1, finished(band));
-      work(band, begin, begin + kReach);
-      tell(strip, begun(band));
-      work(band, begin + kReach, end - kReach);
-      if (strip + 1 < count() && band > 0) wait(strip, strip + 1, begun(band - 1));
-      work(band, end - kReach, end);
-      tell(strip, finished(band));
+  void run(int own, const Prepare& prepare, const Work& work) {
+    if (count() == 1) return runAlone(prepare, work);
+    for (int strip; (strip = take(own)) >= 0;) {
+      do {
+        runStage(strip, prepare, work);
+      } while (canGoOn(strip) || waitInHand(strip));
+      leave(strip);
     }
-    tell(strip, std::numeric_limits<int>::max());  // nobody waits for what was stopped
   }
 
  private:
   static constexpr int kFewestSpins = 64;
+  // A band's stages: up to kReach, from there to kReach before the end, the rest.
+  static constexpr int kStages = 3;
 
-  struct alignas(64) Progress {
-    std::atomic<int> value{0};
-    std::atomic<int> sleepers{0};  // who wait for the value
-    // How long the strip's own thread spins before it sleeps: less where that was in vain.
-    int spins = kMostSpins;
+  struct alignas(64) Strip {
+    std::atomic<int> stage{0};  // the next one, of all bands
+    std::atomic<bool> taken{false};
+    std::atomic<int> cpu{kNoCpu};  // of the thread that has taken it
+    // How long that thread spins for a neighbour: less where that was in vain.
+    std::atomic<int> spins{kMostSpins};
+    // Of threads that sleep: how many, and the lowest stage that one of them waits for.
+    std::atomic<int> sleepers{0}, awaited{kNever};
     std::mutex mutex;
     std::condition_variable changed;
   };
 
-  static int begun(int band) { return 2 * band + 1; }
-  static int finished(int band) { return 2 * band + 2; }
-  void wait(int own, int other, int value);  // for the other strip to get there
-  void tell(int strip, int value);
+  static constexpr int kNever = std::numeric_limits<int>::max();
+
+  // A stage that a strip must have got to before another one can go on.
+  struct Need {
+    int strip, stage;
+  };
+
+  template <class Prepare, class Work>
+  void runAlone(const Prepare& prepare, const Work& work) {
+    for (int band = 0; band < bands_ && !*stop_; ++band) {
+      prepare(0, band);
+      work(0, band, edge(0), edge(1));
+    }
+  }
+
+  template <class Prepare, class Work>
+  void runStage(int strip, const Prepare& prepare, const Work& work) {
+    const int begin = edge(strip), end = edge(strip + 1);
+    const int stage = strips_[strip].stage, band = stage / kStages;
+    strips_[strip].cpu = currentCpu();
+    switch (stage % kStages) {
+      case 0:
+        if (*stop_) return reach(strip, kStages * bands_);
+        prepare(strip, band);
+        work(strip, band, begin, begin + kReach);
+        break;
+      case 1:
+        work(strip, band, begin + kReach, end - kReach);
+        break;
+      case 2:
+        work(strip, band, end - kReach, end);
+        break;
+    }
+    reach(strip, stage + 1);
+  }
+
+  Need needOf(int strip) const;
+  bool isMet(const Need& need) const { return strips_[need.strip].stage >= need.stage; }
+  bool isFinished(int strip) const { return strips_[strip].stage >= kStages * bands_; }
+  bool canGoOn(int strip) const;
+  bool tryToTake(int strip);
+  // Takes a strip that can go on, `own` rather than another; waits for one where that makes sense.
+  // Negative if there is no more to do for this thread.
+  int take(int own);
+  void leave(int strip);
+  void reach(int strip, int stage);
+  // Whether what a strip in hand needs comes within a short wait.
+  bool waitInHand(int strip);
+  // The strip in somebody's hand that `strip` waits for in the end; a stage of 0 if there is none.
+  Need findHolder(int strip) const;
+  void sleepFor(const Need& need);
 
   std::vector<int> edges_;
-  std::vector<Progress> progress_;
+  std::vector<Strip> strips_;
   std::vector<double> work_before_;  // each column
   const std::atomic<bool>* stop_ = nullptr;
+  int bands_ = 0;
 };
 
 }  // namespace adaptive_grid_stereo

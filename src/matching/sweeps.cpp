@@ -78,31 +78,29 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
 
 void Sweeps::runSweep(const SweepImages& images, bool second, const std::atomic<bool>& stop,
                       ThreadPool* pool, cv::Mat* disparity) {
-  const int bands = (frame_.height + kBandRows - 1) / kBandRows;
   Strips& strips = strips_[second];
   strips.assign(second ? turned(plan_) : plan_, pool->size(), &stop);
   path_rows_.assign(second, strips);
+  const auto prepare = [&](int strip, int band) {
+    Worker& worker = workers_[strip];
+    worker.row_count = std::min(kBandRows, frame_.height - band * kBandRows);
+    for (int i = 0; i < worker.row_count; ++i) {
+      worker.rows[i] = makeRow(images, second, band, i, worker.row_count);
+      fillPenalties(images, second, band * kBandRows + i, i, strips.edge(strip),
+                    strips.edge(strip + 1), &worker, &worker.rows[i]);
+    }
+  };
+  const auto work = [&](int strip, int band, int first, int last) {
+    Worker& worker = workers_[strip];
+    (second ? runSecondSweep : runFirstSweep)(frame_, worker.rows, worker.row_count, first, last);
+    // A row is selected as a whole: at once, while it is in the cache, if there is but one thread.
+    if (second && pool->size() == 1) {
+      const int end = frame_.height - band * kBandRows;
+      selectRows(end - worker.row_count, end, &worker.claims, disparity);
+    }
+  };
   pool->run([&](int thread) {
-    if (thread >= strips.count()) return;
-    SweepRow rows[kBandRows];
-    int row_count = 0;
-    const auto prepare = [&](int band) {
-      row_count = std::min(kBandRows, frame_.height - band * kBandRows);
-      for (int i = 0; i < row_count; ++i) {
-        rows[i] = makeRow(images, second, band, i, row_count);
-        fillPenalties(images, second, band * kBandRows + i, i, strips.edge(thread),
-                      strips.edge(thread + 1), &workers_[thread], &rows[i]);
-      }
-    };
-    strips.run(thread, bands, prepare, [&](int band, int first, int last) {
-      (second ? runSecondSweep : runFirstSweep)(frame_, rows, row_count, first, last);
-      // A row is selected as a whole: at once, while it is in the cache, if there is but one
-      // thread.
-      if (second && pool->size() == 1 && last == strips.edge(1)) {
-        const int end = frame_.height - band * kBandRows;
-        selectRows(end - row_count, end, &workers_[thread].claims, disparity);
-      }
-    });
+    if (thread < strips.count()) strips.run(thread, prepare, work);
   });
 }
 

@@ -43,6 +43,8 @@ class Sweeps {
   struct Worker {
     AlignedBuffer<std::uint8_t> penalties;  // [row of the band][penaltyPlace()]
     RightClaims claims;
+    SweepRow rows[kBandRows];  // of the band
+    int row_count = 0;
   };
 
   void runSweep(const SweepImages& images, bool second, const std::atomic<bool>& stop,
@@ -64,7 +66,7 @@ class Sweeps {
   int winner_rows_ = 1;
   PathRows path_rows_;
   Strips strips_[2];
-  std::vector<Worker> workers_;
+  std::vector<Worker> workers_;  // one per strip
   std::size_t penalty_stride_ = 0;
 };
 

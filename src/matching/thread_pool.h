@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -10,8 +11,10 @@
 
 namespace adaptive_grid_stereo {
 
-/// A fixed team of threads that run one job together. The sweeps' threads wait for each other, so
-/// all of them must run at once: cv::parallel_for_ does not promise that.
+/// A fixed team of threads that share the parts of a job. A thread that gets no core, because other
+/// programs keep them busy or the system has put it onto that of the caller, delays nobody: the
+/// others do its parts. cv::parallel_for_ would do so too, but has one team for the whole process,
+/// whose size is not ours to set.
 class ThreadPool {
  public:
   /// `size` >= 1 threads, the caller of run() included.
@@ -22,21 +25,26 @@ class ThreadPool {
 
   int size() const { return static_cast<int>(workers_.size()) + 1; }
 
-  /// Runs job(0) .. job(size - 1), each on its own thread, and returns when all are done. The job
-  /// must not throw. Not reentrant. Threads that have finished keep spinning for some microseconds,
-  /// since one job of a frame follows the other; waking them up would take longer than some jobs
-  /// do.
+  /// Runs job(0) .. job(size - 1), each once, several at the same time where there are cores for
+  /// them, and returns when all are done. The job must not throw. Not reentrant. Threads that have
+  /// finished keep spinning for some microseconds, since one job of a frame follows the other;
+  /// waking them up would take longer than some jobs do.
   void run(const std::function<void(int)>& job);
 
  private:
-  void work(int index);
+  void work();
+  void doParts(std::uint32_t generation);
+  bool takePart(std::uint32_t generation, int* part);
 
   std::vector<std::thread> workers_;
   std::mutex mutex_;  // of the waits; what they wait for changes under it
   std::condition_variable start_, done_;
-  const std::function<void(int)>* job_ = nullptr;
-  std::atomic<unsigned> generation_{0};
-  std::atomic<int> running_{0};
+  const std::function<void(int)>* job_ = nullptr;  // while there are unfinished parts
+  // The next part to be taken, below the job's number: so a late thread takes none of the next job.
+  std::atomic<std::uint64_t> next_{0};
+  std::atomic<int> unfinished_{0};
+  std::atomic<int> caller_cpu_;
+  std::atomic<int> worker_cpu_;  // of the worker that took a part last
   std::atomic<bool> stop_{false};
 };
 

@@ -1,5 +1,9 @@
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
 
+#ifdef __linux__
+#include <sched.h>
+#endif
+
 #include <chrono>
 #include <thread>
 
@@ -232,6 +236,47 @@ TEST(StereoMatcher, reusesItsBuffersForAnySequenceOfFrames) {
     const PathPlan uniform = uniformPlan(round[0], round[1], round[3]);
     EXPECT_TRUE(sameBits(reference::match(images.left, images.right, uniform, config),
                          matcher.match(images.left, images.right, uniform).disparity));
+  }
+}
+
+// The calling thread, and threads that it starts, share one core as long as this lives.
+class OnOneCore {
+ public:
+#ifdef __linux__
+  OnOneCore() {
+    sched_getaffinity(0, sizeof(before_), &before_);
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(sched_getcpu(), &one);
+    sched_setaffinity(0, sizeof(one), &one);
+  }
+  ~OnOneCore() { sched_setaffinity(0, sizeof(before_), &before_); }
+
+ private:
+  cpu_set_t before_;
+#endif
+};
+
+TEST(StereoMatcher, givesTheSameFromThreadsThatShareACore) {
+  constexpr int kWidth = 640, kHeight = 41;
+  const ImagePair images = texturedPair(kWidth, kHeight, 20, 6, 3);
+  const PathPlan adaptive =
+      plan({0, 200, 430, kWidth}, {0, 10, 30, kHeight}, {4, 8, 4, 8, 16, 8, 4, 8, 4});
+  MatcherConfig config;
+  config.threads = 1;
+  StereoMatcher alone(config);
+  const cv::Mat expected = alone.match(images.left, images.right, adaptive).disparity.clone();
+  for (const bool one_core : {true, false}) {
+    std::unique_ptr<OnOneCore> confined(one_core ? new OnOneCore : nullptr);
+    for (const int threads : {2, 3, 8}) {
+      config.threads = threads;
+      StereoMatcher matcher(config);
+      for (int frame = 0; frame < 20; ++frame) {
+        ASSERT_TRUE(
+            sameBits(expected, matcher.match(images.left, images.right, adaptive).disparity))
+            << threads << " threads, frame " << frame << (one_core ? ", on one core" : "");
+      }
+    }
   }
 }
 
