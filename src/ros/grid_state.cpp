@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <boost/make_shared.hpp>
+#include <opencv2/core/hal/intrin.hpp>
 
 #include "adaptive_grid_stereo/ros/conversions.h"
 
@@ -12,34 +13,75 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// How often each fixed-point disparity occurs in a rectangle of the image.
-void countDisparities(const cv::Mat& cell, std::vector<int>& histogram) {
-  std::fill(histogram.begin(), histogram.end(), 0);
-  const int largest = static_cast<int>(histogram.size()) - 1;
-  for (int y = 0; y < cell.rows; ++y) {
-    const auto* row = cell.ptr<std::int16_t>(y);
-    for (int x = 0; x < cell.cols; ++x) {
-      if (row[x] >= 0) ++histogram[std::min<int>(row[x], largest)];
-    }
+/// The largest of kBlock disparities, and how many are valid, by vectors.
+constexpr int kBlock = 32;
+struct BlockSummary {
+  int largest, valid;
+};
+BlockSummary summarize(const std::int16_t* block) {
+  constexpr int kLanes = cv::v_int16x8::nlanes;
+  cv::v_int16x8 largest = cv::v_load(block);
+  cv::v_int16x8 valid = largest >= cv::v_setzero_s16();
+  for (int i = kLanes; i < kBlock; i += kLanes) {
+    const cv::v_int16x8 values = cv::v_load(block + i);
+    largest = cv::v_max(largest, values);
+    valid += values >= cv::v_setzero_s16();
   }
+  return {cv::v_reduce_max(largest), -cv::v_reduce_sum(valid)};
 }
 
-/// The largest disparity that at least `enough` pixels reach; -1 if there are fewer.
-int nearestDisparity(const std::vector<int>& histogram, long enough) {
-  long sum = 0;
-  for (int value = static_cast<int>(histogram.size()) - 1; value >= 0; --value) {
-    sum += histogram[value];
-    if (sum >= enough) return value;
+/// Counts the valid pixels of a cell, and finds the largest fixed-point disparity that at least so
+/// many of them reach: only those are sorted that are nearer than the best so far, hence few.
+class CellSurvey {
+ public:
+  /// Of disparities 0 .. size - 1; larger ones count as the last.
+  explicit CellSurvey(int size) : counts_(size) {}
+
+  void run(const cv::Mat& cell, long enough) {
+    std::fill(counts_.begin(), counts_.end(), 0);
+    nearest_ = -1;
+    nearer_ = valid_ = 0;
+    // From below, where the ground is nearest.
+    for (int y = cell.rows - 1; y >= 0; --y) {
+      const auto* row = cell.ptr<std::int16_t>(y);
+      int x = 0;
+      for (; x + kBlock <= cell.cols; x += kBlock) {
+        const BlockSummary block = summarize(row + x);
+        valid_ += block.valid;
+        if (block.largest > nearest_) add(row + x, kBlock, enough);
+      }
+      valid_ += std::count_if(row + x, row + cell.cols, [](int value) { return value >= 0; });
+      add(row + x, cell.cols - x, enough);
+    }
   }
-  return -1;
-}
+
+  long valid() const { return valid_; }
+  /// Negative if fewer than `enough` >= 1 pixels are valid.
+  int nearest() const { return nearest_; }
+
+ private:
+  void add(const std::int16_t* values, int count, long enough) {
+    for (int i = 0; i < count; ++i) {
+      const int value = std::min<int>(values[i], static_cast<int>(counts_.size()) - 1);
+      if (value <= nearest_) continue;
+      ++counts_[value];
+      ++nearer_;
+    }
+    while (nearer_ >= enough) nearer_ -= counts_[++nearest_];
+  }
+
+  std::vector<int> counts_;
+  int nearest_ = -1;  // of the pixels so far
+  long nearer_ = 0;   // how many are nearer than that
+  long valid_ = 0;
+};
 
 }  // namespace
 
 CellStatistics cellStatistics(const MatchResult& result, const StereoGeometry& geometry,
                               const PathPlan& plan) {
   CellStatistics cells;
-  std::vector<int> histogram(static_cast<std::size_t>(result.disparity_range) * kDisparityScale);
+  CellSurvey survey(result.disparity_range * kDisparityScale);
   for (int cell = 0; cell < 9; ++cell) {
     cells.density[cell] = kNan;
     cells.nearest_range[cell] = kNan;
@@ -48,13 +90,11 @@ CellStatistics cellStatistics(const MatchResult& result, const StereoGeometry& g
     const long pixels = static_cast<long>(area.width) * area.height;
     if (pixels == 0) continue;
 
-    countDisparities(result.disparity(area), histogram);
-    long valid = 0;
-    for (const int count : histogram) valid += count;
-    cells.density[cell] = static_cast<float>(static_cast<double>(valid) / pixels);
     const long enough =
         std::max<long>(kNearestPixels, std::lround(kNearestShare * static_cast<double>(pixels)));
-    const int nearest = nearestDisparity(histogram, enough);
+    survey.run(result.disparity(area), enough);
+    cells.density[cell] = static_cast<float>(static_cast<double>(survey.valid()) / pixels);
+    const int nearest = survey.nearest();
     if (nearest < 0) continue;
     const double disparity = result.min_disparity - geometry.center_offset +
                              static_cast<double>(nearest) / kDisparityScale;

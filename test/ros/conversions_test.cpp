@@ -2,8 +2,10 @@
 
 #include "adaptive_grid_stereo/ros/conversions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -261,6 +263,40 @@ TEST(CellStatistics, CountPixelsAndFindTheNearestSurface) {
   EXPECT_FLOAT_EQ(cells.nearest_range[1], 10.0F) << "400 * 0.25 / 10";
   EXPECT_FLOAT_EQ(cells.nearest_range[4], 2.5F) << "25 pixels are a thing";
   EXPECT_FLOAT_EQ(cells.nearest_range[7], 10.0F) << "one pixel is not";
+}
+
+TEST(CellStatistics, EqualThoseOfSortedPixels) {
+  cv::RNG random(3);
+  for (int round = 0; round < 60; ++round) {
+    const int width = random.uniform(3, 150), height = random.uniform(3, 80);
+    MatchResult result = makeResult(width, height, 0);
+    // Ground that comes nearer downwards or upwards, or not at all, more or less of it invalid.
+    const int slope = random.uniform(-8, 9), noise = random.uniform(1, 200);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const int value = 400 + slope * (y - height / 2) + random.uniform(-noise, noise + 1);
+        const bool invalid = random.uniform(0, 10) < round % 11;
+        result.disparity.at<std::int16_t>(y, x) =
+            static_cast<std::int16_t>(invalid ? kInvalidDisparity : std::clamp(value, 0, 1023));
+      }
+    }
+    const CellStatistics cells =
+        cellStatistics(result, makeGeometry(), uniformPlan(width, height, 16));
+    std::vector<int> valid;
+    for (const std::int16_t value : cv::Mat_<std::int16_t>(result.disparity)) {
+      if (value != kInvalidDisparity) valid.push_back(value);
+    }
+    std::sort(valid.rbegin(), valid.rend());
+    const double pixels = static_cast<double>(width) * height;
+    EXPECT_FLOAT_EQ(cells.density[4], static_cast<float>(valid.size() / pixels));
+    const std::size_t enough = std::max<long>(kNearestPixels, std::lround(kNearestShare * pixels));
+    if (valid.size() < enough) {
+      EXPECT_TRUE(std::isnan(cells.nearest_range[4]));
+    } else {
+      EXPECT_FLOAT_EQ(cells.nearest_range[4],
+                      static_cast<float>(400.0 * 0.25 * kDisparityScale / valid[enough - 1]));
+    }
+  }
 }
 
 TEST(CellStatistics, AreNanInEmptyCellsAndInfiniteAtInfinity) {
