@@ -57,14 +57,13 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
 Strips::Need Strips::needOf(int strip) const {
   const int stage = strips_[strip].stage, band_begin = stage / kStages * kStages;
   const bool begins = stage == band_begin, ends = stage == band_begin + kStages - 1;
+  // The left neighbour must have finished this band, the right one must have begun the one above.
   if (begins && strip > 0) return {strip - 1, band_begin + kStages};
   if (ends && strip + 1 < count()) return {strip + 1, band_begin - kStages + 1};
   return {strip, stage};
 }
 
-bool Strips::canGoOn(int strip) const {
-  return !isFinished(strip) && isMet(needOf(strip));
-}
+bool Strips::canGoOn(int strip) const { return !isFinished(strip) && isMet(needOf(strip)); }
 
 bool Strips::tryToTake(int strip) {
   Strip& wanted = strips_[strip];

@@ -21,8 +21,8 @@ namespace adaptive_grid_stereo {
 /// finished once its right neighbour has begun the band above: its paths reach so far and no
 /// farther. Of the strips that are not finished one can always go on.
 ///
-/// Nothing depends on a thread that gets no core: whoever has to wait for a strip that nobody works
-/// on takes it over.
+/// Whoever has to wait for a strip that nobody works on takes it over, so a thread that gets no
+/// core is not waited for; only one that loses its core in the midst of a stage is.
 class Strips {
  public:
   /// Steps after which what a left neighbour still needs of a band is there, and before the end of
@@ -75,7 +75,7 @@ class Strips {
 
   static constexpr int kNever = std::numeric_limits<int>::max();
 
-  // A stage that a strip must have got to before another one can go on.
+  // A stage that a strip must have got to before another one can go on; kNever: until it is left.
   struct Need {
     int strip, stage;
   };

@@ -11,10 +11,10 @@
 
 namespace adaptive_grid_stereo {
 
-/// A fixed team of threads that share the parts of a job. A thread that gets no core, because other
-/// programs keep them busy or the system has put it onto that of the caller, delays nobody: the
-/// others do its parts. cv::parallel_for_ would do so too, but has one team for the whole process,
-/// whose size is not ours to set.
+/// A fixed team of threads that share the parts of a job. If one gets no core, because other
+/// programs keep them busy or the system has put it onto that of the caller, the others do its
+/// parts. cv::parallel_for_ would do so too, but has one team for the whole process, whose size is
+/// not ours to set.
 class ThreadPool {
  public:
   /// `size` >= 1 threads, the caller of run() included.

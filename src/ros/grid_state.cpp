@@ -13,11 +13,14 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// The largest of kBlock disparities, and how many are valid, by vectors.
+/// Fixed-point disparities of neighbouring pixels that are looked at together.
 constexpr int kBlock = 32;
+
+/// The largest disparity of a block, and how many of its pixels are valid.
 struct BlockSummary {
   int largest, valid;
 };
+
 BlockSummary summarize(const std::int16_t* block) {
   constexpr int kLanes = cv::v_int16x8::nlanes;
   cv::v_int16x8 largest = cv::v_load(block);
@@ -31,12 +34,14 @@ BlockSummary summarize(const std::int16_t* block) {
 }
 
 /// Counts the valid pixels of a cell, and finds the largest fixed-point disparity that at least so
-/// many of them reach: only those are sorted that are nearer than the best so far, hence few.
+/// many of them reach. Only pixels nearer than the best so far go into the histogram: in most
+/// blocks there is none.
 class CellSurvey {
  public:
   /// Of disparities 0 .. size - 1; larger ones count as the last.
   explicit CellSurvey(int size) : counts_(size) {}
 
+  /// Looks at a cell (CV_16SC1) for what at least `enough` >= 1 of its pixels reach.
   void run(const cv::Mat& cell, long enough) {
     std::fill(counts_.begin(), counts_.end(), 0);
     nearest_ = -1;
@@ -56,7 +61,7 @@ class CellSurvey {
   }
 
   long valid() const { return valid_; }
-  /// Negative if fewer than `enough` >= 1 pixels are valid.
+  /// Negative if fewer pixels than enough are valid.
   int nearest() const { return nearest_; }
 
  private:
