@@ -69,7 +69,7 @@ struct Path {
   const std::uint8_t* from;  // path costs at the predecessor, disparity 0
   std::uint8_t* to;          // and at the pixel
   V8 smallest;               // min L at the predecessor
-  V8 limit;                  // the same + P2
+  V8 penalty;                // P2
 };
 
 template <int kDirection>
@@ -78,7 +78,7 @@ HWY_INLINE Path MakePath(D8 d, const SweepRow& row, int u, std::uint8_t* pixel, 
   const std::size_t block = kPixelHeader + kDirection * static_cast<std::size_t>(padded_range);
   const V8 smallest = hn::Set(d, predecessor[kDirection]);
   const V8 penalty = hn::Set(d, row.penalties[penaltyPlace(u, kDirection)]);
-  return {predecessor + block, pixel + block, smallest, hn::Add(smallest, penalty)};
+  return {predecessor + block, pixel + block, smallest, penalty};
 }
 
 // The path costs of a vector of disparities at the predecessor, and those one disparity below and
@@ -107,28 +107,37 @@ HWY_INLINE Neighbours LoadNeighbours(D8 d, const Path& path, int k, int padded_r
 
 #if HWY_TARGET == HWY_AVX3_DL
 // The same for all kVectors vectors of a range. Vectors as wide as cache lines make every load that
-// is not aligned touch two of them, so bytes are moved between registers instead.
+// is not aligned touch two of them, so bytes are moved between registers instead. Beyond either end
+// the cost at the end stands again, which costs P1 more there than where it is, so it never counts.
 constexpr bool kMovesBytes = true;
+struct MovedBytes {
+  alignas(64) std::uint8_t below_first[64], below[64], above_last[64], above[64];
+};
+constexpr MovedBytes makeMovedBytes() {
+  MovedBytes from{};
+  for (int i = 0; i < 64; ++i) {
+    from.below_first[i] = static_cast<std::uint8_t>(i == 0 ? 0 : i - 1);
+    from.below[i] = static_cast<std::uint8_t>(63 + i);
+    from.above_last[i] = static_cast<std::uint8_t>(i == 63 ? 63 : i + 1);
+    from.above[i] = static_cast<std::uint8_t>(i + 1);
+  }
+  return from;
+}
+static constexpr MovedBytes kMovedBytes = makeMovedBytes();
 template <int kVectors>
 HWY_INLINE void LoadAllNeighbours(D8 d, const Path& path, Neighbours* all) {
-  alignas(64) static constexpr std::uint8_t kOneBelow[64] = {
-      63,  64,  65,  66,  67,  68,  69,  70,  71,  72,  73,  74,  75,  76,  77,  78,
-      79,  80,  81,  82,  83,  84,  85,  86,  87,  88,  89,  90,  91,  92,  93,  94,
-      95,  96,  97,  98,  99,  100, 101, 102, 103, 104, 105, 106, 107, 108, 109, 110,
-      111, 112, 113, 114, 115, 116, 117, 118, 119, 120, 121, 122, 123, 124, 125, 126};
-  alignas(64) static constexpr std::uint8_t kOneAbove[64] = {
-      1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22,
-      23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44,
-      45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64};
-  const V8 one_below = hn::Load(d, kOneBelow), one_above = hn::Load(d, kOneAbove);
-  const V8 beyond = hn::Set(d, std::uint8_t{255});
-  const auto pick = [](V8 low, V8 index, V8 high) AGS_LAMBDA {
-    return V8{_mm512_permutex2var_epi8(low.raw, index.raw, high.raw)};
-  };
+  const __m512i below_first = _mm512_load_si512(kMovedBytes.below_first);
+  const __m512i above_last = _mm512_load_si512(kMovedBytes.above_last);
+  const __m512i below = _mm512_load_si512(kMovedBytes.below);
+  const __m512i above = _mm512_load_si512(kMovedBytes.above);
   for (int i = 0; i < kVectors; ++i) all[i].here = hn::Load(d, path.from + i * 64);
   for (int i = 0; i < kVectors; ++i) {
-    all[i].below = pick(i == 0 ? beyond : all[i - 1].here, one_below, all[i].here);
-    all[i].above = pick(all[i].here, one_above, i + 1 == kVectors ? beyond : all[i + 1].here);
+    const __m512i here = all[i].here.raw;
+    all[i].below = V8{i == 0 ? _mm512_permutexvar_epi8(below_first, here)
+                             : _mm512_permutex2var_epi8(all[i - 1].here.raw, below, here)};
+    all[i].above = V8{i + 1 == kVectors
+                          ? _mm512_permutexvar_epi8(above_last, here)
+                          : _mm512_permutex2var_epi8(here, above, all[i + 1].here.raw)};
   }
 }
 #else
@@ -140,7 +149,7 @@ HWY_INLINE void LoadAllNeighbours(D8, const Path&, Neighbours*) {}
 // Eq. 6 without the matching cost: min(L(d), L(d +- 1) + P1, min L + P2) - min L, at most P2.
 HWY_INLINE V8 Transition(const Path& path, const Neighbours& costs, V8 penalty_small) {
   const V8 stepped = hn::SaturatedAdd(hn::Min(costs.below, costs.above), penalty_small);
-  return hn::Sub(hn::Min(hn::Min(costs.here, path.limit), stepped), path.smallest);
+  return hn::Min(hn::Sub(hn::Min(costs.here, stepped), path.smallest), path.penalty);
 }
 
 // Minimum over the blocks of 16 bytes.
