@@ -13,13 +13,26 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
+// The bits so far, and one more: whether neighbour < centre.
+template <class V>
+HWY_INLINE V PushBit(V bits, V neighbour, V centre) {
+  const hn::ScalableTag<std::uint8_t> d;
+  const V moved = hn::Add(bits, bits), one = hn::Set(d, std::uint8_t{1});
+#if HWY_TARGET == HWY_AVX3_DL
+  const __mmask64 less = _mm512_cmplt_epu8_mask(neighbour.raw, centre.raw);
+  return V{_mm512_mask_add_epi8(moved.raw, less, moved.raw, one.raw)};
+#else
+  // A saturated difference, of which only "not zero" counts.
+  return hn::Or(moved, hn::Min(hn::SaturatedSub(centre, neighbour), one));
+#endif
+}
+
 // kSign is -1 for mirrored images, whose left neighbours lie to the right.
 template <int kHalfWidth, int kHalfHeight, int kSign>
 HWY_ATTR void CensusOfWindow(const PaddedImage& image, int y, std::uint8_t* planes) {
   const hn::ScalableTag<std::uint8_t> d;
   constexpr int kBits = (2 * kHalfWidth + 1) * (2 * kHalfHeight + 1) - 1;
   const std::size_t stride = censusStride(image.width());
-  const auto one = hn::Set(d, std::uint8_t{1});
   for (int x = 0; x < image.width(); x += static_cast<int>(hn::Lanes(d))) {
     const auto centre = hn::LoadU(d, image.row(y) + x);
     auto byte = hn::Zero(d);
@@ -28,9 +41,7 @@ HWY_ATTR void CensusOfWindow(const PaddedImage& image, int y, std::uint8_t* plan
       const std::uint8_t* row = image.row(y + j) + x;
       for (int i = -kHalfWidth; i <= kHalfWidth; ++i) {
         if (j == 0 && i == 0) continue;
-        // neighbour < centre as a saturated difference, of which only "not zero" counts.
-        const auto less = hn::Min(hn::SaturatedSub(centre, hn::LoadU(d, row + kSign * i)), one);
-        byte = hn::Or(hn::Add(byte, byte), less);
+        byte = PushBit(byte, hn::LoadU(d, row + kSign * i), centre);
         ++bit;
         if (bit % 8 == 0 || bit == kBits) {
           hn::StoreU(byte, d, planes + (bit - 1) / 8 * stride + kCensusMargin + x);

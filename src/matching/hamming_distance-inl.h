@@ -24,19 +24,39 @@ namespace hn = AGS_SIMD;
 // each touch two cache lines.)
 constexpr bool kCensusByPixel = true;
 
-// Sixteen pixels at a time; planes that the window does not fill are zero.
+// Where the interleaving below takes its pixels from, so that they come out in order: each of its
+// steps stays within blocks of 16 bytes, and leaves two pixels to a block.
+struct PixelOrder {
+  alignas(64) std::uint8_t from[64];
+};
+constexpr PixelOrder makePixelOrder() {
+  PixelOrder order{};
+  for (int i = 0; i < 64; ++i) {
+    const int block = i / 16, pair = i % 16 / 2;
+    order.from[i] = static_cast<std::uint8_t>(8 * pair + 2 * block + i % 2);
+  }
+  return order;
+}
+static constexpr PixelOrder kPixelOrder = makePixelOrder();
+
+// 64 pixels at a time; planes that the window does not fill are zero.
 HWY_INLINE void OrderByPixel(int width, CensusWindow window, const std::uint8_t* planes,
                              std::uint8_t* row) {
-  const hn::Full128<std::uint8_t> d8;
-  const hn::Full128<std::uint16_t> d16;
-  const hn::Full128<std::uint32_t> d32;
-  using V = hn::Vec<hn::Full128<std::uint8_t>>;
+  const hn::ScalableTag<std::uint8_t> d8;
+  const hn::Repartition<std::uint16_t, decltype(d8)> d16;
+  const hn::Repartition<std::uint32_t, decltype(d8)> d32;
+  using V = hn::Vec<decltype(d8)>;
+  const __m512i order = _mm512_load_si512(kPixelOrder.from);
   const std::size_t stride = censusStride(width);
   const int filled = censusPlanes(window);
-  for (std::size_t x = 0; x < stride; x += 16, row += 16 * kCensusBytes) {
+  for (std::size_t x = 0; x < stride; x += 64, row += 64 * kCensusBytes) {
     V plane[kCensusBytes], twos[kCensusBytes], fours[kCensusBytes];
     for (int p = 0; p < kCensusBytes; ++p) {
-      plane[p] = p < filled ? hn::LoadU(d8, planes + p * stride + x) : hn::Zero(d8);
+      plane[p] = hn::Zero(d8);
+      if (p < filled) {
+        const V in_a_row = hn::LoadU(d8, planes + p * stride + x);
+        plane[p] = V{_mm512_permutexvar_epi8(order, in_a_row.raw)};
+      }
     }
     for (int p = 0; p < 4; ++p) {
       twos[p] = hn::InterleaveLower(d8, plane[2 * p], plane[2 * p + 1]);
@@ -49,8 +69,8 @@ HWY_INLINE void OrderByPixel(int width, CensusWindow window, const std::uint8_t*
     }
     for (int i = 0; i < 4; ++i) {
       const auto a = hn::BitCast(d32, fours[2 * i]), b = hn::BitCast(d32, fours[2 * i + 1]);
-      hn::Store(hn::BitCast(d8, hn::InterleaveLower(d32, a, b)), d8, row + 32 * i);
-      hn::Store(hn::BitCast(d8, hn::InterleaveUpper(d32, a, b)), d8, row + 32 * i + 16);
+      hn::Store(hn::BitCast(d8, hn::InterleaveLower(d32, a, b)), d8, row + 128 * i);
+      hn::Store(hn::BitCast(d8, hn::InterleaveUpper(d32, a, b)), d8, row + 128 * i + 64);
     }
   }
 }
