@@ -34,15 +34,30 @@ HWY_INLINE void ClearGap(std::uint16_t* sums, int padded_range) {
 // The smallest sum of each lane, while blocks of as many disparities as a vector has bytes pass.
 //
 // Sums of 16 paths stay below 4096, so four bits are free for the number of the block: one minimum
-// per lane then finds both. A sum of kNoSum loses against every other.
-constexpr int kSearchBlocks = 16;
+// per lane then finds both. Sums of fewer paths leave more bits, which for short ranges hold the
+// lane as well, so that the smallest key tells all. A sum of kNoSum loses against every other.
+constexpr int kBlockBits = 4;
+constexpr int kSearchBlocks = 1 << kBlockBits;
+
+// Bits of a key below the sum, of pixels with so many directions per sweep: enough for the place
+// among the sums of one parity, or else for the number of the block.
+template <int kDirections, int kPadded>
+constexpr int keyBits() {
+  constexpr int kFree = kDirections == 2 ? 6 : kDirections == 4 ? 5 : kBlockBits;
+  return kPadded > 0 && kPadded / 2 <= 1 << kFree ? kFree : kBlockBits;
+}
 
 /// Keys from this one on are those of no sum.
-constexpr std::uint16_t kNoKey = 0xFFF0;
+template <int kBits>
+constexpr std::uint16_t kNoKey = static_cast<std::uint16_t>(kNoSum << kBits);
 
+template <int kBits>
 HWY_INLINE V16 SearchKeys(const ByteSums& sums, int block) {
-  const V16 number = hn::Set(D16(), static_cast<std::uint16_t>(block));
-  return hn::Or(hn::ShiftLeft<4>(hn::Min(sums.even, sums.odd)), number);
+  const D16 d;
+  const int number = kBits > kBlockBits ? block * static_cast<int>(hn::Lanes(d)) : block;
+  V16 numbers = hn::Set(d, static_cast<std::uint16_t>(number));
+  if (kBits > kBlockBits) numbers = hn::Add(numbers, hn::Iota(d, 0));
+  return hn::Or(hn::ShiftLeft<kBits>(hn::Min(sums.even, sums.odd)), numbers);
 }
 
 // Minimum over the blocks of 8 sums.
@@ -74,11 +89,16 @@ HWY_INLINE std::uint64_t SmallestKeys(V16 a, V16 b, V16 c, V16 e) {
 }
 
 // The winning index by the smallest key and the keys it is among; `sums` are those it was made of.
-HWY_INLINE int IndexOfKey(std::uint16_t key, V16 keys, const std::uint16_t* sums) {
+template <int kBits>
+HWY_INLINE int IndexOfKey(std::uint16_t key, const std::uint16_t* keys, const std::uint16_t* sums) {
   const D16 d;
-  const int lane = static_cast<int>(hn::FindKnownFirstTrue(d, hn::Eq(keys, hn::Set(d, key))));
-  const int place = (key & 15) * static_cast<int>(hn::Lanes(d)) + lane;
-  return 2 * place + (sums[place] != key >> 4);
+  int place = key & ((1 << kBits) - 1);
+  if (kBits == kBlockBits) {
+    const auto found = hn::Eq(hn::Load(d, keys), hn::Set(d, key));
+    place = place * static_cast<int>(hn::Lanes(d)) +
+            static_cast<int>(hn::FindKnownFirstTrue(d, found));
+  }
+  return 2 * place + (sums[place] != key >> kBits);
 }
 
 // Indices of the even disparities of a block; the odd ones are one larger.
@@ -145,12 +165,14 @@ HWY_INLINE int SearchCandidates(std::uint16_t* sums, int padded_range,
       KeepCandidates(candidates, at, &of_block);
       hn::Store(of_block.even, d, sums + at / 2);
       hn::Store(of_block.odd, d, odd_sums + at / 2);
-      keys = hn::Min(keys, SearchKeys(of_block, block));
+      keys = hn::Min(keys, SearchKeys<kBlockBits>(of_block, block));
     }
     const std::uint16_t key = static_cast<std::uint16_t>(SmallestKeys(keys, keys, keys, keys));
-    if (key >> 4 < best_sum) {
-      best_sum = key >> 4;
-      best = group + IndexOfKey(key, keys, sums + group / 2);
+    if (key >> kBlockBits < best_sum) {
+      best_sum = key >> kBlockBits;
+      alignas(64) std::uint16_t of_lanes[kMaxLanes / 2];
+      hn::Store(keys, d, of_lanes);
+      best = group + IndexOfKey<kBlockBits>(key, of_lanes, sums + group / 2);
     }
   }
   return best;

@@ -70,7 +70,8 @@ struct PixelSweep {
   }
 
   // Second half of the paths, sums; tells the smallest key of each lane for the winner's search,
-  // or, if kLongRange, the winner itself.
+  // or, if kLongRange, the winner itself. kBits: of a key below the sum.
+  template <int kBits>
   static HWY_INLINE void Second(const SweepFrame& frame, const SweepRow& row, int u, V8* smallest,
                                 std::uint16_t* sums, std::uint16_t* keys) {
     const D8 d;
@@ -96,35 +97,37 @@ struct PixelSweep {
         if (kPlace == Place::kBorder) KeepCandidates(candidates, at, &part[i]);
         hn::Store(part[i].even, d16, sums + at / 2);
         hn::Store(part[i].odd, d16, odd_sums + at / 2);
-        if (kPlace != Place::kLongRange) best = hn::Min(best, SearchKeys(part[i], at / lanes));
+        if (kPlace != Place::kLongRange) {
+          best = hn::Min(best, SearchKeys<kBits>(part[i], at / lanes));
+        }
       }
     });
     if (kPlace == Place::kLongRange) {
-      row.winners.put(x, SelectAmongCandidates(frame, sums, candidates));
+      row.winners[x] = SelectAmongCandidates(frame, sums, candidates);
     } else {
       hn::Store(best, d16, keys);
     }
   }
 
   // The winners of up to four rows, whose keys and sums lie `keys_stride` and `sums_stride` apart.
+  template <int kBits>
   static HWY_INLINE void StoreWinners(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                       int step, const std::uint16_t* keys, int keys_stride,
                                       std::uint16_t* sums, int sums_stride) {
     static_assert(kBandRows == 4, "four rows are searched together");
     const D16 d;
-    V16 of_row[kBandRows];
-    for (int r = 0; r < kBandRows; ++r) of_row[r] = hn::Load(d, keys + r * keys_stride);
-    std::uint64_t smallest = SmallestKeys(of_row[0], of_row[1], of_row[2], of_row[3]);
+    const auto keysOf = [&](int r) AGS_LAMBDA { return hn::Load(d, keys + r * keys_stride); };
+    std::uint64_t smallest = SmallestKeys(keysOf(0), keysOf(1), keysOf(2), keysOf(3));
     for (int r = 0; r < row_count; ++r, smallest >>= 16) {
       const std::uint16_t key = static_cast<std::uint16_t>(smallest);
       std::uint16_t* of_pixel = sums + r * sums_stride;
-      const int index = IndexOfKey(key, of_row[r], of_pixel);
+      const int index = IndexOfKey<kBits>(key, keys + r * keys_stride, of_pixel);
       const int x = frame.width - 1 - (step - kBandLag * r);
-      if (kPlace == Place::kBorder && key >= kNoKey) {
-        rows[r].winners.put(x, {kNoWinner, kNoSum, kNoSum, kNoSum});
+      if (kPlace == Place::kBorder && key >= kNoKey<kBits>) {
+        rows[r].winners[x] = {kNoWinner, kNoSum, kNoSum, kNoSum};
         continue;
       }
-      rows[r].winners.put(x, MakeWinner(frame, of_pixel, PaddedRange(frame), index, key >> 4));
+      rows[r].winners[x] = MakeWinner(frame, of_pixel, PaddedRange(frame), index, key >> kBits);
     }
   }
 

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <type_traits>
 
 #if defined(AGS_PORTABLE_SIMD)
@@ -108,6 +109,12 @@ template <typename T, std::size_t N, typename U>
 Vector<T, N> Set(Tag<T, N>, U value) {
   Vector<T, N> v;
   std::fill(v.lane, v.lane + N, static_cast<T>(value));
+  return v;
+}
+template <typename T, std::size_t N, typename U>
+Vector<T, N> Iota(Tag<T, N>, U first) {
+  Vector<T, N> v;
+  std::iota(v.lane, v.lane + N, static_cast<T>(first));
   return v;
 }
 template <typename T, std::size_t N>
@@ -224,18 +231,10 @@ template <typename T, std::size_t N>
 bool AllTrue(Tag<T, N>, const MaskOf<N>& mask) {
   return std::all_of(mask.lane, mask.lane + N, [](bool b) { return b; });
 }
+// One lane at least must be true.
 template <typename T, std::size_t N>
-std::ptrdiff_t FindFirstTrue(Tag<T, N>, const MaskOf<N>& mask) {
-  const bool* found = std::find(mask.lane, mask.lane + N, true);
-  return found == mask.lane + N ? -1 : found - mask.lane;
-}
-template <typename T, std::size_t N>
-std::size_t FindKnownFirstTrue(Tag<T, N> d, const MaskOf<N>& mask) {
-  return static_cast<std::size_t>(FindFirstTrue(d, mask));
-}
-template <typename T, std::size_t N>
-Vector<T, N> MinOfLanes(Tag<T, N> d, const Vector<T, N>& v) {
-  return Set(d, *std::min_element(v.lane, v.lane + N));
+std::size_t FindKnownFirstTrue(Tag<T, N>, const MaskOf<N>& mask) {
+  return static_cast<std::size_t>(std::find(mask.lane, mask.lane + N, true) - mask.lane);
 }
 
 }  // namespace portable_simd

@@ -20,12 +20,35 @@ constexpr std::int32_t kIndexMask = (1 << kIndexBits) - 1;
 constexpr std::int32_t kNoClaim = std::numeric_limits<std::int32_t>::max();
 constexpr int kLargestDifference = 511;
 
+// The winners' parts by themselves, so that what follows goes by vectors.
+struct WinnerRow {
+  const std::uint16_t *index, *sum, *before, *after;  // [x]
+};
+
 }  // namespace adaptive_grid_stereo
 #endif  // AGS_ROW_SELECTION_SHARED
 
 HWY_BEFORE_NAMESPACE();
 namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
+
+HWY_ATTR WinnerRow SplitWinners(const Winner* winners, int width, RowBuffers* buffers) {
+  for (auto* row : {&buffers->index, &buffers->sum, &buffers->before, &buffers->after}) {
+    row->resize(width);
+  }
+  const Winner* __restrict winner = winners;
+  std::uint16_t* __restrict index = buffers->index.data();
+  std::uint16_t* __restrict sum = buffers->sum.data();
+  std::uint16_t* __restrict before = buffers->before.data();
+  std::uint16_t* __restrict after = buffers->after.data();
+  for (int x = 0; x < width; ++x) {
+    index[x] = winner[x].index;
+    sum[x] = winner[x].sum;
+    before[x] = winner[x].before;
+    after[x] = winner[x].after;
+  }
+  return {index, sum, before, after};
+}
 
 // Minimum of the parabola through three sums, in fixed point around 0, rounded half up.
 HWY_INLINE int SubpixelOffset(int before, int sum, int after) {
@@ -115,20 +138,20 @@ HWY_ATTR void DropInconsistent(const WinnerRow& winners, int width, unsigned mos
 // The left-right check. Of several winners that claim one right pixel the smallest sum has it, then
 // the smallest disparity.
 HWY_ATTR void CheckRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
-                       const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity) {
+                       const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
   // One pixel more on either side lets a neighbouring disparity be looked up without asking; one
   // beyond takes the claims of those that have none.
   const std::int32_t nowhere = width + 1;
-  claims->right.assign(width + 3, kNoClaim);
+  buffers->right.assign(width + 3, kNoClaim);
   for (auto* row :
-       {&claims->places, &claims->second_places, &claims->found, &claims->second_found}) {
+       {&buffers->places, &buffers->second_places, &buffers->found, &buffers->second_found}) {
     row->resize(width);
   }
-  std::int32_t* right = claims->right.data() + 1;
-  std::int32_t* places = claims->places.data();
-  std::int32_t* second_places = claims->second_places.data();
-  std::int32_t* found = claims->found.data();
-  std::int32_t* second_found = claims->second_found.data();
+  std::int32_t* right = buffers->right.data() + 1;
+  std::int32_t* places = buffers->places.data();
+  std::int32_t* second_places = buffers->second_places.data();
+  std::int32_t* found = buffers->found.data();
+  std::int32_t* second_found = buffers->second_found.data();
   FindClaims(winners, shifts, width, config.min_disparity, nowhere, places, found);
   for (int x = 0; x < width; ++x) right[places[x]] = std::min(right[places[x]], found[x]);
   FindSecondPlaces(winners, disparity, width, places, second_places);
@@ -141,11 +164,12 @@ HWY_ATTR void CheckRow(const WinnerRow& winners, const std::uint8_t* shifts, int
                    second_found, disparity);
 }
 
-HWY_ATTR void SelectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
-                        const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity) {
-  InterpolateRow(winners, width, config.subpixel, disparity);
+HWY_ATTR void SelectRow(const Winner* winners, const std::uint8_t* shifts, int width,
+                        const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
+  const WinnerRow row = SplitWinners(winners, width, buffers);
+  InterpolateRow(row, width, config.subpixel, disparity);
   if (config.disp12_max_diff < 0) return;
-  CheckRow(winners, shifts, width, config, claims, disparity);
+  CheckRow(row, shifts, width, config, buffers, disparity);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -156,9 +180,9 @@ HWY_AFTER_NAMESPACE();
 namespace adaptive_grid_stereo {
 HWY_EXPORT(SelectRow);
 
-void selectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
-               const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity) {
-  HWY_DYNAMIC_DISPATCH(SelectRow)(winners, shifts, width, config, claims, disparity);
+void selectRow(const Winner* winners, const std::uint8_t* shifts, int width,
+               const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
+  HWY_DYNAMIC_DISPATCH(SelectRow)(winners, shifts, width, config, buffers, disparity);
 }
 
 }  // namespace adaptive_grid_stereo

@@ -10,17 +10,18 @@
 namespace adaptive_grid_stereo {
 
 /// Buffers of selectRow, for one thread. Claims are sums and indices: sum << 10 | index.
-struct RightClaims {
+struct RowBuffers {
+  std::vector<std::uint16_t> index, sum, before, after;  // [x] the winners' parts
   std::vector<std::int32_t> right;                  // the best claim to each right pixel
   std::vector<std::int32_t> places, second_places;  // [x] the right pixels to ask
   std::vector<std::int32_t> found, second_found;    // [x] what they say
 };
 
-/// Sub-pixel disparity and left-right check of one row.
+/// Sub-pixel disparity and left-right check of one row's winners.
 /// shifts: [x] log2(16 / paths) of each pixel, which brings sums of different cells to one scale.
 /// disparity: width fixed-point values, kInvalidDisparity where there is none.
-void selectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
-               const MatcherConfig& config, RightClaims* claims, std::int16_t* disparity);
+void selectRow(const Winner* winners, const std::uint8_t* shifts, int width,
+               const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity);
 
 }  // namespace adaptive_grid_stereo
 

@@ -35,6 +35,7 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
   using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
   constexpr int kSums = kSecondSweep ? sumsSize(kPadded ? kPadded : kMaxRange) : 32;
   constexpr int kKeys = kSecondSweep ? kMaxLanes / 2 : 32;
+  constexpr int kBits = keyBits<kDirections, kPadded>();
   // Of two steps in turn: the winners of one are searched after the work of the next, which by then
   // waits for nothing.
   alignas(64) std::uint16_t sums_of_steps[2][kBandRows * kSums];
@@ -45,12 +46,12 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
       ClearGap(sums_of_steps[0] + i * kSums, Pixel::PaddedRange(frame));
     }
     for (int r = row_count; r < kBandRows; ++r) {
-      for (auto& keys : keys_of_steps) std::fill_n(keys + r * kKeys, kKeys, kNoKey);
+      for (auto& keys : keys_of_steps) std::fill_n(keys + r * kKeys, kKeys, kNoSum);
     }
   }
   const auto storeWinners = [&](int step) AGS_LAMBDA {
     if constexpr (kSearchesTogether) {
-      Pixel::StoreWinners(frame, rows, row_count, step, keys_of_steps[step & 1], kKeys,
+      Pixel::template StoreWinners<kBits>(frame, rows, row_count, step, keys_of_steps[step & 1], kKeys,
                           sums_of_steps[step & 1], kSums);
     }
   };
@@ -63,8 +64,8 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
       constexpr int kRow = decltype(i)::value;
       const int r = first + kRow, u = step - kBandLag * r;
       if constexpr (kSecondSweep) {
-        Pixel::Second(frame, rows[r], u, smallest + kRow * kDirections, sums + r * kSums,
-                      keys + r * kKeys);
+        Pixel::template Second<kBits>(frame, rows[r], u, smallest + kRow * kDirections,
+                                      sums + r * kSums, keys + r * kKeys);
       } else {
         Pixel::First(frame, rows[r], u, smallest + kRow * kDirections);
       }
@@ -155,14 +156,14 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
   alignas(64) std::uint16_t keys[2 * kBandRows * kKeys];
   if (kSecondSweep) {
     for (int r = 0; r < kBandRows; ++r) ClearGap(sums + r * kSums, Winners::PaddedRange(frame));
-    std::fill_n(keys, 2 * kBandRows * kKeys, kNoKey);
+    std::fill_n(keys, 2 * kBandRows * kKeys, kNoSum);
   }
   const auto sweepPixel = [&](auto directions, int r, int u) AGS_LAMBDA {
     constexpr int kDirections = decltype(directions)::value;
     using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
     V8 smallest[kDirections];
     if constexpr (kSecondSweep) {
-      Pixel::Second(frame, rows[r], u, smallest, sums + r * kSums, keys + r * kKeys);
+      Pixel::template Second<kBlockBits>(frame, rows[r], u, smallest, sums + r * kSums, keys + r * kKeys);
     } else {
       Pixel::First(frame, rows[r], u, smallest);
     }
@@ -196,7 +197,7 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
       const int first = std::max(0, (step - frame.width + kBandLag) / kBandLag);
       const int last = std::min(row_count, (step + kBandLag) / kBandLag);
       if (first < last) {
-        Winners::StoreWinners(frame, rows + first, last - first, step - kBandLag * first,
+        Winners::template StoreWinners<kBlockBits>(frame, rows + first, last - first, step - kBandLag * first,
                               keys + first * kKeys, kKeys, sums + first * kSums, kSums);
       }
     }

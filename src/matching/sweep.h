@@ -62,18 +62,6 @@ constexpr std::uint16_t kNoWinner = 0xFFFF;
 constexpr std::uint16_t kNotUnique = 0x8000;
 constexpr std::uint16_t kNoSum = 0xFFFF;
 
-/// The winners of a row, each part by itself, so that what follows goes by vectors.
-struct WinnerRow {
-  std::uint16_t *index, *sum, *before, *after;  // [x]
-
-  void put(int x, const Winner& winner) const {
-    index[x] = winner.index;
-    sum[x] = winner.sum;
-    before[x] = winner.before;
-    after[x] = winner.after;
-  }
-};
-
 /// Where P2 of a pixel and direction stands in its row: blocks of 64 pixels, direction by
 /// direction, so that it is written by vectors and read at fixed distances.
 constexpr std::size_t penaltyPlace(int u, int direction) {
@@ -95,7 +83,7 @@ struct SweepRow {
   const std::uint8_t* left;   // census strings of the row, in the target's order
   const std::uint8_t* right;  // mirrored
   std::uint16_t* volume;      // [x * padded_range]
-  WinnerRow winners;          // second sweep only
+  Winner* winners;            // [x], second sweep only
 };
 
 /// What all rows of a sweep share.

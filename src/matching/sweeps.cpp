@@ -52,7 +52,7 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
   workers_.resize(threads);
   for (Worker& worker : workers_) worker.penalties.reserve(kBandRows * penalty_stride_);
   winner_rows_ = threads == 1 ? kBandRows : height;
-  winners_.reserve(static_cast<std::size_t>(4) * width * winner_rows_);
+  winners_.reserve(static_cast<std::size_t>(width) * winner_rows_);
 }
 
 void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
@@ -71,7 +71,7 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
   if (stop || pool->size() == 1) return;  // selected on the way
   pool->run([&](int thread) {
     const int height = frame_.height, threads = pool->size();
-    selectRows(height * thread / threads, height * (thread + 1) / threads, &workers_[thread].claims,
+    selectRows(height * thread / threads, height * (thread + 1) / threads, &workers_[thread].buffers,
                disparity);
   });
 }
@@ -96,7 +96,7 @@ void Sweeps::runSweep(const SweepImages& images, bool second, const std::atomic<
     // A row is selected as a whole: at once, while it is in the cache, if there is but one thread.
     if (second && pool->size() == 1) {
       const int end = frame_.height - band * kBandRows;
-      selectRows(end - worker.row_count, end, &worker.claims, disparity);
+      selectRows(end - worker.row_count, end, &worker.buffers, disparity);
     }
   };
   pool->run([&](int thread) {
@@ -122,11 +122,8 @@ void Sweeps::fillPenalties(const SweepImages& images, bool second, int v, int ro
   out->penalties = target;
 }
 
-WinnerRow Sweeps::winnersOf(int y) {
-  const int width = frame_.width;
-  std::uint16_t* winners =
-      winners_.data() + static_cast<std::size_t>(4 * (y % winner_rows_)) * width;
-  return {winners, winners + width, winners + 2 * width, winners + 3 * width};
+Winner* Sweeps::winnersOf(int y) {
+  return winners_.data() + static_cast<std::size_t>(y % winner_rows_) * frame_.width;
 }
 
 SweepRow Sweeps::makeRow(const SweepImages& images, bool second, int band, int index,
@@ -146,12 +143,12 @@ SweepRow Sweeps::makeRow(const SweepImages& images, bool second, int band, int i
   return row;
 }
 
-void Sweeps::selectRows(int first, int last, RightClaims* claims, cv::Mat* disparity) {
+void Sweeps::selectRows(int first, int last, RowBuffers* buffers, cv::Mat* disparity) {
   int cell = 0;
   for (int y = first; y < last; ++y) {
     while (y >= plan_.row_edges[cell + 1]) ++cell;
     selectRow(winnersOf(y), shifts_.data() + static_cast<std::size_t>(cell) * frame_.width,
-              frame_.width, config_, claims, disparity->ptr<std::int16_t>(y));
+              frame_.width, config_, buffers, disparity->ptr<std::int16_t>(y));
   }
 }
 

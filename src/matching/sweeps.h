@@ -42,18 +42,18 @@ class Sweeps {
  private:
   struct Worker {
     AlignedBuffer<std::uint8_t> penalties;  // [row of the band][penaltyPlace()]
-    RightClaims claims;
+    RowBuffers buffers;
     SweepRow rows[kBandRows];  // of the band
     int row_count = 0;
   };
 
   void runSweep(const SweepImages& images, bool second, const std::atomic<bool>& stop,
                 ThreadPool* pool, cv::Mat* disparity);
-  void selectRows(int first, int last, RightClaims* claims, cv::Mat* disparity);
+  void selectRows(int first, int last, RowBuffers* buffers, cv::Mat* disparity);
   SweepRow makeRow(const SweepImages& images, bool second, int band, int index, int row_count);
   void fillPenalties(const SweepImages& images, bool second, int v, int row, int first_step,
                      int end_step, Worker* worker, SweepRow* out);
-  WinnerRow winnersOf(int y);
+  Winner* winnersOf(int y);
 
   MatcherConfig config_;
   SweepFrame frame_;
@@ -62,7 +62,7 @@ class Sweeps {
   std::vector<std::uint8_t> shifts_;  // [row cell][x]
   PathPlan plan_;
   AlignedBuffer<std::uint16_t> volume_;
-  AlignedBuffer<std::uint16_t> winners_;  // [y % winner_rows_][part][x]
+  AlignedBuffer<Winner> winners_;  // [y % winner_rows_][x]
   int winner_rows_ = 1;
   PathRows path_rows_;
   Strips strips_[2];
