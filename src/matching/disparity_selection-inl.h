@@ -95,8 +95,8 @@ HWY_INLINE int IndexOfKey(std::uint16_t key, const std::uint16_t* keys, const st
   int place = key & ((1 << kBits) - 1);
   if (kBits == kBlockBits) {
     const auto found = hn::Eq(hn::Load(d, keys), hn::Set(d, key));
-    place = place * static_cast<int>(hn::Lanes(d)) +
-            static_cast<int>(hn::FindKnownFirstTrue(d, found));
+    place =
+        place * static_cast<int>(hn::Lanes(d)) + static_cast<int>(hn::FindKnownFirstTrue(d, found));
   }
   return 2 * place + (sums[place] != key >> kBits);
 }

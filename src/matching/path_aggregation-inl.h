@@ -135,9 +135,9 @@ HWY_INLINE void LoadAllNeighbours(D8 d, const Path& path, Neighbours* all) {
     const __m512i here = all[i].here.raw;
     all[i].below = V8{i == 0 ? _mm512_permutexvar_epi8(below_first, here)
                              : _mm512_permutex2var_epi8(all[i - 1].here.raw, below, here)};
-    all[i].above = V8{i + 1 == kVectors
-                          ? _mm512_permutexvar_epi8(above_last, here)
-                          : _mm512_permutex2var_epi8(here, above, all[i + 1].here.raw)};
+    all[i].above =
+        V8{i + 1 == kVectors ? _mm512_permutexvar_epi8(above_last, here)
+                             : _mm512_permutex2var_epi8(here, above, all[i + 1].here.raw)};
   }
 }
 #else
