@@ -200,23 +200,24 @@ HWY_INLINE bool HasRival(std::uint16_t* sums, int padded_range, int winner,
 }
 
 // The winner with its neighbours; sums that are no candidate's must be kNoSum.
-HWY_INLINE Winner MakeWinner(const SweepFrame& frame, std::uint16_t* sums, int padded_range,
-                             int index, int sum) {
+HWY_INLINE void PutWinner(const std::uint16_t* sums, int padded_range, int index, int sum,
+                          Winner* winner) {
   // Among the odd ones if the index is even, and the other way round: as likely as not, hence no
   // branch.
-  const int to_odd = static_cast<int>(OddSums(sums, padded_range) - sums) - 1;
+  const int to_odd = sumsSize(padded_range) - padded_range / 2 - 1;
   const std::uint16_t* before = sums + index / 2 + (to_odd & (index % 2 - 1));
-  Winner winner;
-  winner.index = static_cast<std::uint16_t>(index);
-  winner.sum = static_cast<std::uint16_t>(sum);
-  winner.before = before[0];
-  winner.after = before[1];
-  if (frame.uniqueness_factor > 0) {
-    const std::uint32_t threshold =
-        static_cast<std::uint32_t>(sum) * static_cast<std::uint32_t>(frame.uniqueness_factor) >> 12;
-    if (HasRival(sums, padded_range, index, threshold)) winner.index |= kNotUnique;
-  }
-  return winner;
+  winner->index = static_cast<std::uint16_t>(index);
+  winner->sum = static_cast<std::uint16_t>(sum);
+  winner->before = before[0];
+  winner->after = before[1];
+}
+
+// Marks a winner that has a rival within the uniqueness ratio. Overwrites the sums around it.
+HWY_INLINE void MarkAmbiguous(const SweepFrame& frame, std::uint16_t* sums, int padded_range,
+                              Winner* winner) {
+  const std::uint32_t threshold =
+      winner->sum * static_cast<std::uint32_t>(frame.uniqueness_factor) >> 12;
+  if (HasRival(sums, padded_range, winner->index, threshold)) winner->index |= kNotUnique;
 }
 
 // Winner of a pixel with more disparities than one search can take.
@@ -226,7 +227,10 @@ HWY_INLINE Winner SelectAmongCandidates(const SweepFrame& frame, std::uint16_t* 
   if (candidates.none()) return {kNoWinner, kNoSum, kNoSum, kNoSum};
   const int index = SearchCandidates(sums, layout.padded_range, candidates);
   const std::uint16_t* of_parity = index % 2 == 0 ? sums : OddSums(sums, layout.padded_range);
-  return MakeWinner(frame, sums, layout.padded_range, index, of_parity[index / 2]);
+  Winner winner;
+  PutWinner(sums, layout.padded_range, index, of_parity[index / 2], &winner);
+  if (frame.uniqueness_factor > 0) MarkAmbiguous(frame, sums, layout.padded_range, &winner);
+  return winner;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -31,8 +31,9 @@ HWY_INLINE V8 BorderCosts(const SweepFrame& frame, const CensusPlaces& at, int k
   if (begin < end) {
     costs = HammingDistances(frame.window, at, k);
     costs = hn::IfThenElse(hn::FirstN(d, end), costs, largest);
-    costs = hn::IfThenElse(hn::FirstN(d, begin), largest, costs);
+    if (begin > 0) costs = hn::IfThenElse(hn::FirstN(d, begin), largest, costs);
   }
+  if (k + lanes <= frame.layout.range) return costs;
   return hn::IfThenElse(hn::FirstN(d, lanesBefore(frame.layout.range)), costs,
                         hn::Set(d, std::uint8_t{255}));
 }

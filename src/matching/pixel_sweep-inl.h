@@ -118,16 +118,23 @@ struct PixelSweep {
     const D16 d;
     const auto keysOf = [&](int r) AGS_LAMBDA { return hn::Load(d, keys + r * keys_stride); };
     std::uint64_t smallest = SmallestKeys(keysOf(0), keysOf(1), keysOf(2), keysOf(3));
+    const auto winnerOf = [&](int r) AGS_LAMBDA {
+      return rows[r].winners + (frame.width - 1 - (step - kBandLag * r));
+    };
     for (int r = 0; r < row_count; ++r, smallest >>= 16) {
       const std::uint16_t key = static_cast<std::uint16_t>(smallest);
-      std::uint16_t* of_pixel = sums + r * sums_stride;
+      const std::uint16_t* of_pixel = sums + r * sums_stride;
       const int index = IndexOfKey<kBits>(key, keys + r * keys_stride, of_pixel);
-      const int x = frame.width - 1 - (step - kBandLag * r);
       if (kPlace == Place::kBorder && key >= kNoKey<kBits>) {
-        rows[r].winners[x] = {kNoWinner, kNoSum, kNoSum, kNoSum};
-        continue;
+        *winnerOf(r) = {kNoWinner, kNoSum, kNoSum, kNoSum};
+      } else {
+        PutWinner(of_pixel, PaddedRange(frame), index, key >> kBits, winnerOf(r));
       }
-      rows[r].winners[x] = MakeWinner(frame, of_pixel, PaddedRange(frame), index, key >> kBits);
+    }
+    if (frame.uniqueness_factor == 0) return;
+    for (int r = 0; r < row_count; ++r) {
+      if (winnerOf(r)->index == kNoWinner) continue;
+      MarkAmbiguous(frame, sums + r * sums_stride, PaddedRange(frame), winnerOf(r));
     }
   }
 

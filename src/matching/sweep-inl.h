@@ -51,8 +51,8 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
   }
   const auto storeWinners = [&](int step) AGS_LAMBDA {
     if constexpr (kSearchesTogether) {
-      Pixel::template StoreWinners<kBits>(frame, rows, row_count, step, keys_of_steps[step & 1], kKeys,
-                          sums_of_steps[step & 1], kSums);
+      Pixel::template StoreWinners<kBits>(frame, rows, row_count, step, keys_of_steps[step & 1],
+                                          kKeys, sums_of_steps[step & 1], kSums);
     }
   };
   const auto sweepTogether = [&](auto count, int first, int step) AGS_LAMBDA {
@@ -147,7 +147,6 @@ HWY_INLINE void ClearDirections(const PathLayout& layout, const PathRow& row, in
 template <int kPadded, Place kPlace, bool kSecondSweep>
 HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                       int begin, int end) {
-  static_assert(kPlace != Place::kInner, "some disparities may leave the right image");
   using Winners = PixelSweep<2, kPadded, kPlace>;
   constexpr int kSums = kSecondSweep ? sumsSize(kPadded ? kPadded : kMaxRange) : 32;
   constexpr int kKeys = kSecondSweep ? kMaxLanes / 2 : 32;
@@ -163,7 +162,8 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
     using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
     V8 smallest[kDirections];
     if constexpr (kSecondSweep) {
-      Pixel::template Second<kBlockBits>(frame, rows[r], u, smallest, sums + r * kSums, keys + r * kKeys);
+      Pixel::template Second<kBlockBits>(frame, rows[r], u, smallest, sums + r * kSums,
+                                         keys + r * kKeys);
     } else {
       Pixel::First(frame, rows[r], u, smallest);
     }
@@ -197,8 +197,9 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
       const int first = std::max(0, (step - frame.width + kBandLag) / kBandLag);
       const int last = std::min(row_count, (step + kBandLag) / kBandLag);
       if (first < last) {
-        Winners::template StoreWinners<kBlockBits>(frame, rows + first, last - first, step - kBandLag * first,
-                              keys + first * kKeys, kKeys, sums + first * kSums, kSums);
+        Winners::template StoreWinners<kBlockBits>(frame, rows + first, last - first,
+                                                   step - kBandLag * first, keys + first * kKeys,
+                                                   kKeys, sums + first * kSums, kSums);
       }
     }
   }
@@ -206,17 +207,25 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
 
 template <bool kSecondSweep>
 HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const SweepRow* rows, int row_count,
-                               int begin, int end) {
+                               bool inner, int begin, int end) {
+  const auto run = [&](auto padded) AGS_LAMBDA {
+    constexpr int kPadded = decltype(padded)::value;
+    if (inner) {
+      SweepMixed<kPadded, Place::kInner, kSecondSweep>(frame, rows, row_count, begin, end);
+    } else {
+      SweepMixed<kPadded, Place::kBorder, kSecondSweep>(frame, rows, row_count, begin, end);
+    }
+  };
   if (IsLongRange(frame.layout)) {
     return SweepMixed<0, Place::kLongRange, kSecondSweep>(frame, rows, row_count, begin, end);
   }
   switch (frame.layout.padded_range) {
     case 64:
-      return SweepMixed<64, Place::kBorder, kSecondSweep>(frame, rows, row_count, begin, end);
+      return run(std::integral_constant<int, 64>());
     case 128:
-      return SweepMixed<128, Place::kBorder, kSecondSweep>(frame, rows, row_count, begin, end);
+      return run(std::integral_constant<int, 128>());
     default:
-      return SweepMixed<0, Place::kBorder, kSecondSweep>(frame, rows, row_count, begin, end);
+      return run(std::integral_constant<int, 0>());
   }
 }
 
@@ -247,13 +256,15 @@ struct StepRun {
 HWY_INLINE StepRun FindUniformSteps(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                     int step, const InnerColumns& inner) {
   const int last = step - kBandLag * (row_count - 1);
-  if (last < 0 || step >= frame.width) return {0, false, false, kClear};
+  const bool all_inner = inner.holds(step) && inner.holds(last);
+  const StepRun mixed{0, false, all_inner, kClear};
+  if (last < 0 || step >= frame.width) return mixed;
   const int kind = rows[0].kinds[step];
-  if (kind < kTwo || kind > kEight) return {0, false, false, kClear};
+  if (kind < kTwo || kind > kEight) return mixed;
   int steps = frame.width - step;
   for (int r = 0; r < row_count; ++r) {
     const int u = step - kBandLag * r;
-    if (rows[r].kinds[u] != kind) return {0, false, false, kClear};
+    if (rows[r].kinds[u] != kind) return mixed;
     steps = std::min(steps, rows[r].kind_ends[u] - u);
   }
   for (const int edge : {inner.begin, inner.end}) {
@@ -261,7 +272,7 @@ HWY_INLINE StepRun FindUniformSteps(const SweepFrame& frame, const SweepRow* row
       if (edge > u) steps = std::min(steps, edge - u);
     }
   }
-  return {steps, true, inner.holds(step) && inner.holds(last), kind};
+  return {steps, true, all_inner, kind};
 }
 
 HWY_INLINE StepRun FindRun(const SweepFrame& frame, const SweepRow* rows, int row_count, int step,
@@ -271,10 +282,10 @@ HWY_INLINE StepRun FindRun(const SweepFrame& frame, const SweepRow* rows, int ro
     run.steps = std::min(run.steps, last_step - step);
     return run;
   }
-  do {
-    ++run.steps;
-  } while (step + run.steps < last_step &&
-           !FindUniformSteps(frame, rows, row_count, step + run.steps, inner).uniform);
+  for (run.steps = 1; step + run.steps < last_step; ++run.steps) {
+    const StepRun next = FindUniformSteps(frame, rows, row_count, step + run.steps, inner);
+    if (next.uniform || next.inner != run.inner) break;
+  }
   return run;
 }
 
@@ -288,7 +299,7 @@ HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_c
     if (run.uniform) {
       SweepPixels<kSecondSweep>(frame, rows, row_count, run.kind, run.inner, step, end);
     } else {
-      SweepMixedPixels<kSecondSweep>(frame, rows, row_count, step, end);
+      SweepMixedPixels<kSecondSweep>(frame, rows, row_count, run.inner, step, end);
     }
     step = end;
   }
