@@ -107,29 +107,37 @@ HWY_INLINE bool IsLongRange(const PathLayout& layout) {
   return layout.padded_range > kSearchBlocks * static_cast<int>(hn::Lanes(D8()));
 }
 
+// Calls f(integral_constant<int, padded range or 0>, integral_constant<Place, place>) for the
+// kernels that are made for the range.
+template <class F>
+HWY_INLINE void Specialise(const PathLayout& layout, bool inner, const F& f) {
+  const auto choosePlace = [&](auto padded) AGS_LAMBDA {
+    if (inner) return f(padded, std::integral_constant<Place, Place::kInner>());
+    f(padded, std::integral_constant<Place, Place::kBorder>());
+  };
+  using AnyRange = std::integral_constant<int, 0>;
+  if (IsLongRange(layout)) {
+    return f(AnyRange(), std::integral_constant<Place, Place::kLongRange>());
+  }
+  switch (layout.padded_range) {
+    case 64:
+      return choosePlace(std::integral_constant<int, 64>());
+    case 128:
+      return choosePlace(std::integral_constant<int, 128>());
+    default:
+      return choosePlace(AnyRange());
+  }
+}
+
 // A run of pixels of one kind.
 template <bool kSecondSweep>
 HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
                           bool inner, int begin, int end) {
-  const auto run = [&](auto padded) AGS_LAMBDA {
+  Specialise(frame.layout, inner, [&](auto padded, auto place) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
-    if (inner) {
-      SweepKind<kPadded, Place::kInner, kSecondSweep>(frame, rows, row_count, kind, begin, end);
-    } else {
-      SweepKind<kPadded, Place::kBorder, kSecondSweep>(frame, rows, row_count, kind, begin, end);
-    }
-  };
-  if (IsLongRange(frame.layout)) {
-    return SweepKind<0, Place::kLongRange, kSecondSweep>(frame, rows, row_count, kind, begin, end);
-  }
-  switch (frame.layout.padded_range) {
-    case 64:
-      return run(std::integral_constant<int, 64>());
-    case 128:
-      return run(std::integral_constant<int, 128>());
-    default:
-      return run(std::integral_constant<int, 0>());
-  }
+    constexpr Place kPlace = decltype(place)::value;
+    SweepKind<kPadded, kPlace, kSecondSweep>(frame, rows, row_count, kind, begin, end);
+  });
 }
 
 // Path costs of zero let the paths of the directions from `first` on start anew at their next
@@ -208,25 +216,11 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
 template <bool kSecondSweep>
 HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                bool inner, int begin, int end) {
-  const auto run = [&](auto padded) AGS_LAMBDA {
+  Specialise(frame.layout, inner, [&](auto padded, auto place) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
-    if (inner) {
-      SweepMixed<kPadded, Place::kInner, kSecondSweep>(frame, rows, row_count, begin, end);
-    } else {
-      SweepMixed<kPadded, Place::kBorder, kSecondSweep>(frame, rows, row_count, begin, end);
-    }
-  };
-  if (IsLongRange(frame.layout)) {
-    return SweepMixed<0, Place::kLongRange, kSecondSweep>(frame, rows, row_count, begin, end);
-  }
-  switch (frame.layout.padded_range) {
-    case 64:
-      return run(std::integral_constant<int, 64>());
-    case 128:
-      return run(std::integral_constant<int, 128>());
-    default:
-      return run(std::integral_constant<int, 0>());
-  }
+    constexpr Place kPlace = decltype(place)::value;
+    SweepMixed<kPadded, kPlace, kSecondSweep>(frame, rows, row_count, begin, end);
+  });
 }
 
 // Columns whose disparities all stay inside the right image; none if no kernel makes use of that.
