@@ -2,6 +2,8 @@
 #include "adaptive_grid_stereo/matching/simd_target.h"
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
 
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "test/matching/matcher_checks.h"
@@ -135,6 +137,36 @@ TEST_F(ReferenceTest, penalties) {
         config_.validate();
         expectReference(images_, uniformPlan(61, 37, 16), config_);
       }
+    }
+  }
+}
+
+// Ranges whose ends are those of vectors, where there is no cost beyond.
+TEST_F(ReferenceTest, penaltiesAtTheEndsOfVectors) {
+  for (const int range : {16, 32, 64, 128}) {
+    for (const int small : {0, 9, 126}) {
+      config_.disparity_range = range;
+      config_.penalty_small = small;
+      config_.validate();
+      SCOPED_TRACE(std::to_string(range) + " disparities, P1 = " + std::to_string(small));
+      expectReference(texturedPair(200, 17, 9, 4, range), uniformPlan(200, 17, 16), config_);
+    }
+  }
+}
+
+// Cells that meet where all disparities stay inside the right image.
+TEST_F(ReferenceTest, bordersOfCellsFarFromThoseOfTheImage) {
+  PathPlan plan = uniformPlan(230, 26, 8);
+  plan.column_edges = {0, 150, 200, 230};
+  plan.row_edges = {0, 9, 17, 26};
+  plan.paths = {4, 8, 16, 16, 4, 8, 8, 16, 4};
+  for (const int range : {32, 64, 80, 128}) {
+    for (const double uniqueness : {0.0, 10.0}) {
+      config_.disparity_range = range;
+      config_.uniqueness_ratio = uniqueness;
+      SCOPED_TRACE(std::to_string(range) + " disparities, uniqueness " +
+                   std::to_string(uniqueness));
+      expectReference(texturedPair(230, 26, 11, 6, range), plan, config_);
     }
   }
 }
