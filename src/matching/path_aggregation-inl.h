@@ -20,6 +20,14 @@ using D16 = hn::Repartition<std::uint16_t, D8>;
 using V8 = hn::Vec<D8>;
 using V16 = hn::Vec<D16>;
 
+#undef AGS_PLAIN_CPP
+#if HWY_TARGET == HWY_SCALAR
+#define AGS_PLAIN_CPP true
+#else
+#define AGS_PLAIN_CPP false
+#endif
+constexpr bool kPlainCpp = AGS_PLAIN_CPP;
+
 // Constructors, because Arm's vectors have one that must be inlined, which only functions with the
 // target's attributes can do.
 

@@ -140,6 +140,7 @@ struct PixelSweep {
 
  private:
   // Calls f(integral_constant<int, vectors>, first disparity) for two vectors at a time, then one.
+  // (Plain C++ has no use for pairs.)
   template <class F>
   static HWY_INLINE void ForAllVectors(const SweepFrame& frame, const F& f) {
     using One = std::integral_constant<int, 1>;
@@ -147,8 +148,10 @@ struct PixelSweep {
     const int lanes = static_cast<int>(hn::Lanes(D8()));
     const int padded = PaddedRange(frame);
     int k = 0;
-    for (; k + 2 * lanes <= padded; k += 2 * lanes) f(Two(), k);
-    if (k < padded) f(One(), k);
+    if constexpr (!kPlainCpp) {
+      for (; k + 2 * lanes <= padded; k += 2 * lanes) f(Two(), k);
+    }
+    for (; k < padded; k += lanes) f(One(), k);
   }
 
   template <int kVectors>

@@ -108,24 +108,25 @@ HWY_INLINE bool IsLongRange(const PathLayout& layout) {
 }
 
 // Calls f(integral_constant<int, padded range or 0>, integral_constant<Place, place>) for the
-// kernels that are made for the range.
+// kernels that are made for the range. Plain C++ has but the most general ones: it gains little by
+// others, and they would take most of the time to compile.
 template <class F>
 HWY_INLINE void Specialise(const PathLayout& layout, bool inner, const F& f) {
-  const auto choosePlace = [&](auto padded) AGS_LAMBDA {
-    if (inner) return f(padded, std::integral_constant<Place, Place::kInner>());
-    f(padded, std::integral_constant<Place, Place::kBorder>());
-  };
   using AnyRange = std::integral_constant<int, 0>;
+  using Border = std::integral_constant<Place, Place::kBorder>;
   if (IsLongRange(layout)) {
     return f(AnyRange(), std::integral_constant<Place, Place::kLongRange>());
   }
-  switch (layout.padded_range) {
-    case 64:
-      return choosePlace(std::integral_constant<int, 64>());
-    case 128:
-      return choosePlace(std::integral_constant<int, 128>());
-    default:
-      return choosePlace(AnyRange());
+  if constexpr (kPlainCpp) {
+    f(AnyRange(), Border());
+  } else {
+    const auto choosePlace = [&](auto padded) AGS_LAMBDA {
+      if (inner) return f(padded, std::integral_constant<Place, Place::kInner>());
+      f(padded, Border());
+    };
+    if (layout.padded_range == 64) return choosePlace(std::integral_constant<int, 64>());
+    if (layout.padded_range == 128) return choosePlace(std::integral_constant<int, 128>());
+    choosePlace(AnyRange());
   }
 }
 
