@@ -24,7 +24,8 @@ constexpr int kSumGap = 32;
 // The sums of a pixel: those of its even disparities, the gap, those of the odd ones. Neighbours of
 // either kind stand side by side among the other.
 constexpr int sumsSize(int padded_range) { return padded_range + kSumGap; }
-HWY_INLINE std::uint16_t* OddSums(std::uint16_t* sums, int padded_range) {
+template <class T>
+HWY_INLINE T* OddSums(T* sums, int padded_range) {
   return sums + padded_range / 2 + kSumGap;
 }
 HWY_INLINE void ClearGap(std::uint16_t* sums, int padded_range) {
@@ -204,7 +205,7 @@ HWY_INLINE void PutWinner(const std::uint16_t* sums, int padded_range, int index
                           Winner* winner) {
   // Among the odd ones if the index is even, and the other way round: as likely as not, hence no
   // branch.
-  const int to_odd = sumsSize(padded_range) - padded_range / 2 - 1;
+  const int to_odd = static_cast<int>(OddSums(sums, padded_range) - sums) - 1;
   const std::uint16_t* before = sums + index / 2 + (to_odd & (index % 2 - 1));
   winner->index = static_cast<std::uint16_t>(index);
   winner->sum = static_cast<std::uint16_t>(sum);

@@ -17,8 +17,8 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
-// Costs of a vector of disparities of which some may leave the right image, where the largest cost
-// stands, or lie beyond the range, where 255 stands.
+// Costs of a vector of disparities of which some may leave the right image: there the largest cost
+// stands.
 HWY_INLINE V8 BorderCosts(const SweepFrame& frame, const CensusPlaces& at, int k) {
   const D8 d;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -33,9 +33,7 @@ HWY_INLINE V8 BorderCosts(const SweepFrame& frame, const CensusPlaces& at, int k
     costs = hn::IfThenElse(hn::FirstN(d, end), costs, largest);
     if (begin > 0) costs = hn::IfThenElse(hn::FirstN(d, begin), largest, costs);
   }
-  if (k + lanes <= frame.layout.range) return costs;
-  return hn::IfThenElse(hn::FirstN(d, lanesBefore(frame.layout.range)), costs,
-                        hn::Set(d, std::uint8_t{255}));
+  return costs;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -20,13 +20,8 @@ using D16 = hn::Repartition<std::uint16_t, D8>;
 using V8 = hn::Vec<D8>;
 using V16 = hn::Vec<D16>;
 
-#undef AGS_PLAIN_CPP
-#if HWY_TARGET == HWY_SCALAR
-#define AGS_PLAIN_CPP true
-#else
-#define AGS_PLAIN_CPP false
-#endif
-constexpr bool kPlainCpp = AGS_PLAIN_CPP;
+// Whether vectors are arrays that plain loops go through (portable_simd.h).
+constexpr bool kPlainCpp = HWY_TARGET == HWY_SCALAR;
 
 // Constructors, because Arm's vectors have one that must be inlined, which only functions with the
 // target's attributes can do.
@@ -118,6 +113,9 @@ HWY_INLINE Neighbours LoadNeighbours(D8 d, const Path& path, int k, int padded_r
 // is not aligned touch two of them, so bytes are moved between registers instead. Beyond either end
 // the cost at the end stands again, which costs P1 more there than where it is, so it never counts.
 constexpr bool kMovesBytes = true;
+
+// Indices of permutations, for the costs one disparity below and above: of the range's first and
+// last vector by itself, and of two neighbouring vectors together.
 struct MovedBytes {
   alignas(64) std::uint8_t below_first[64], below[64], above_last[64], above[64];
 };

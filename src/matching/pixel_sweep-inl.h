@@ -56,11 +56,11 @@ struct PixelSweep {
       const int lanes = static_cast<int>(hn::Lanes(d));
       V8 cost[kVectors];
       for (int i = 0; i < kVectors; ++i) {
+        const int at = k + i * lanes;
         if constexpr (kPlace == Place::kInner) {
-          cost[i] =
-              EndCosts(frame, k + i * lanes, HammingDistances(frame.window, census, k + i * lanes));
+          cost[i] = EndCosts(frame, at, HammingDistances(frame.window, census, at));
         } else {
-          cost[i] = BorderCosts(frame, census, k + i * lanes);
+          cost[i] = EndCosts(frame, at, BorderCosts(frame, census, at));
         }
       }
       ByteSums sums[kVectors];

@@ -71,8 +71,8 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
   if (stop || pool->size() == 1) return;  // selected on the way
   pool->run([&](int thread) {
     const int height = frame_.height, threads = pool->size();
-    selectRows(height * thread / threads, height * (thread + 1) / threads, &workers_[thread].buffers,
-               disparity);
+    selectRows(height * thread / threads, height * (thread + 1) / threads,
+               &workers_[thread].buffers, disparity);
   });
 }
 
