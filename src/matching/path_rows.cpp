@@ -73,9 +73,9 @@ void PathRows::assign(bool second_sweep, const Strips& strips) {
   if (places.edges == strips.edges()) return;
   places.edges = strips.edges();
   const int sets = std::max(1, sets_);
-  places.boundary.resize(2 * kBoundaries * row_pixels_);
-  places.ring.resize(static_cast<std::size_t>(sets) * kBandRows * row_pixels_);
-  for (std::size_t i = 0; i < row_pixels_; ++i) {
+  places.boundary.assign(2 * kBoundaries * row_pixels_, zero_.data());
+  places.ring.assign(static_cast<std::size_t>(sets) * kBandRows * row_pixels_, zero_.data());
+  for (std::size_t i = kPathMargin; i < row_pixels_ - kPathMargin; ++i) {
     const int owner = ownerOf(places.edges, static_cast<int>(i) - kPathMargin);
     const bool owned = owner != kShared;
     for (std::size_t row = 0; row < 2 * kBoundaries; ++row) {

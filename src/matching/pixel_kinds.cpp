@@ -55,7 +55,7 @@ void PixelKinds::assign(const PathPlan& original, bool second_sweep) {
     const auto inserted = known.emplace(rows, static_cast<int>(directions_.size()));
     table_of_row_[v] = inserted.first->second;
     if (!inserted.second) continue;
-    tables_.resize(tables_.size() + stride_, kClear);
+    tables_.resize(tables_.size() + stride_, kOutside);
     std::uint8_t* kinds = tables_.data() + tables_.size() - stride_ + kPathMargin;
     int most = 0;
     for (int u = 0; u < width; ++u) {

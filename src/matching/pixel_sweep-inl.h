@@ -109,6 +109,20 @@ struct PixelSweep {
     }
   }
 
+  // Path costs of zero let the paths of the directions that the pixel does not use start anew at
+  // their next one.
+  static HWY_INLINE void ClearRest(const SweepFrame& frame, std::uint8_t* pixel) {
+    const D8 d;
+    const int lanes = static_cast<int>(hn::Lanes(d)), padded = PaddedRange(frame);
+    for (int r = kDirections; r < kSweepDirections; ++r) {
+      pixel[r] = 0;
+      std::uint8_t* costs = pixel + kPixelHeader + r * padded;
+      for (int k = 0; k < padded; k += lanes) {
+        hn::Store(EndCosts(frame, k, hn::Zero(d)), d, costs + k);
+      }
+    }
+  }
+
   // The winners of up to four rows, whose keys and sums lie `keys_stride` and `sums_stride` apart.
   template <int kBits>
   static HWY_INLINE void StoreWinners(const SweepFrame& frame, const SweepRow* rows, int row_count,

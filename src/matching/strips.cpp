@@ -38,7 +38,7 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
   }
   // A band's rows lag behind each other, so the edges lie half a band's lag farther.
   constexpr int kLag = kBandLag * (kBandRows - 1);
-  edges_.assign(1, -kPathMargin);
+  edges_.assign(1, 0);
   for (int strip = 1; strip < count; ++strip) {
     const double share = work_before_[width] * strip / count;
     const auto place = std::lower_bound(work_before_.begin(), work_before_.end(), share);
@@ -46,7 +46,7 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
     edges_.push_back(
         std::clamp(step, edges_.back() + kNarrowest / 2, width - (count - strip) * kNarrowest / 2));
   }
-  edges_.push_back(width + kPathMargin + kLag);
+  edges_.push_back(width + kLag);
   if (static_cast<int>(strips_.size()) != count) strips_ = std::vector<Strip>(count);
   for (Strip& strip : strips_) {
     strip.stage = 0;

@@ -141,18 +141,19 @@ HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row
   });
 }
 
-// Path costs of zero let the paths of the directions from `first` on start anew at their next
-// pixel.
-HWY_INLINE void ClearDirections(const PathLayout& layout, const PathRow& row, int u, int first) {
-  std::uint8_t* pixel = row[u];
-  for (int r = first; r < kSweepDirections; ++r) {
-    pixel[r] = 0;
-    std::memset(pixel + kPixelHeader + r * layout.padded_range, 0, layout.range);
-  }
+// Rows of a band whose pixels at a step are inside of the image: first .. last - 1.
+struct ActiveRows {
+  int first, last;
+  int count() const { return last - first; }
+};
+
+HWY_INLINE ActiveRows FindActiveRows(const SweepFrame& frame, int row_count, int step) {
+  return {std::max(0, (step - frame.width + kBandLag) / kBandLag),
+          std::min(row_count, (step + kBandLag) / kBandLag)};
 }
 
 // Rows r of a band at pixels step - kBandLag * r, for steps [begin, end), whatever the kinds of
-// these pixels are; of the rows whose pixel is outside of the image none has a winner.
+// these pixels are.
 template <int kPadded, Place kPlace, bool kSecondSweep>
 HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                       int begin, int end) {
@@ -178,35 +179,28 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
     }
     const std::uint64_t bytes = SmallestLanes<kDirections>(D8(), smallest);
     std::memcpy(rows[r].current[u], &bytes, sizeof(bytes));
-    return kDirections;
+    if ((rows[r].kinds[u] & kClearRest) != 0) Pixel::ClearRest(frame, rows[r].current[u]);
   };
   for (int step = begin; step < end; ++step) {
-    for (int r = 0; r < row_count; ++r) {
+    const ActiveRows active = FindActiveRows(frame, row_count, step);
+    for (int r = active.first; r < active.last; ++r) {
       const int u = step - kBandLag * r;
-      if (u < -kPathMargin || u >= frame.width + kPathMargin) continue;
-      const int kind = rows[r].kinds[u];
-      int directions = 0;
-      switch (kind & ~kClearRest) {
+      switch (rows[r].kinds[u] & ~kClearRest) {
         case kTwo:
-          directions = sweepPixel(std::integral_constant<int, 2>(), r, u);
+          sweepPixel(std::integral_constant<int, 2>(), r, u);
           break;
         case kFour:
-          directions = sweepPixel(std::integral_constant<int, 4>(), r, u);
+          sweepPixel(std::integral_constant<int, 4>(), r, u);
           break;
         case kEight:
-          directions = sweepPixel(std::integral_constant<int, 8>(), r, u);
+          sweepPixel(std::integral_constant<int, 8>(), r, u);
           break;
-      }
-      if (kind == kClear || (kind & kClearRest) != 0) {
-        ClearDirections(frame.layout, rows[r].current, u, directions);
       }
     }
     if constexpr (kSecondSweep && kPlace != Place::kLongRange) {
-      // Rows whose pixel is inside of the image.
-      const int first = std::max(0, (step - frame.width + kBandLag) / kBandLag);
-      const int last = std::min(row_count, (step + kBandLag) / kBandLag);
-      if (first < last) {
-        Winners::template StoreWinners<kBlockBits>(frame, rows + first, last - first,
+      const int first = active.first;
+      if (active.count() > 0) {
+        Winners::template StoreWinners<kBlockBits>(frame, rows + first, active.count(),
                                                    step - kBandLag * first, keys + first * kKeys,
                                                    kKeys, sums + first * kSums, kSums);
       }
@@ -239,35 +233,38 @@ HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame, bool second_sw
   return {begin, end};
 }
 
-// A run of steps: how many, whether all rows have pixels of one kind, which one, and whether they
-// are all inside of the inner columns.
+// A run of steps: how many, which rows have pixels there, whether these are all of one kind, which
+// one, and whether they are all inside of the inner columns.
 struct StepRun {
   int steps;
+  ActiveRows rows;
   bool uniform, inner;
   int kind;
 };
 
-// The run of uniform steps from `step` on; none if the rows' pixels there are of several kinds.
+// The run of uniform steps from `step` on, with the same rows; none if the rows' pixels there are
+// of several kinds.
 HWY_INLINE StepRun FindUniformSteps(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                     int step, const InnerColumns& inner) {
-  const int last = step - kBandLag * (row_count - 1);
-  const bool all_inner = inner.holds(step) && inner.holds(last);
-  const StepRun mixed{0, false, all_inner, kClear};
-  if (last < 0 || step >= frame.width) return mixed;
-  const int kind = rows[0].kinds[step];
-  if (kind < kTwo || kind > kEight) return mixed;
-  int steps = frame.width - step;
-  for (int r = 0; r < row_count; ++r) {
+  const ActiveRows active = FindActiveRows(frame, row_count, step);
+  if (active.count() <= 0) return {0, active, false, false, kOutside};
+  const int first = step - kBandLag * active.first, last = step - kBandLag * (active.last - 1);
+  const bool all_inner = inner.holds(first) && inner.holds(last);
+  const int kind = rows[active.first].kinds[first];
+  const StepRun mixed{0, active, false, all_inner, kOutside};
+  if ((kind & kClearRest) != 0) return mixed;
+  int steps = active.last < row_count ? kBandLag * active.last - step : frame.width;
+  for (int r = active.first; r < active.last; ++r) {
     const int u = step - kBandLag * r;
     if (rows[r].kinds[u] != kind) return mixed;
     steps = std::min(steps, rows[r].kind_ends[u] - u);
   }
   for (const int edge : {inner.begin, inner.end}) {
-    for (const int u : {step, last}) {
+    for (const int u : {first, last}) {
       if (edge > u) steps = std::min(steps, edge - u);
     }
   }
-  return {steps, true, all_inner, kind};
+  return {steps, active, true, all_inner, kind};
 }
 
 HWY_INLINE StepRun FindRun(const SweepFrame& frame, const SweepRow* rows, int row_count, int step,
@@ -292,7 +289,9 @@ HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_c
     const StepRun run = FindRun(frame, rows, row_count, step, last, inner);
     const int end = step + run.steps;
     if (run.uniform) {
-      SweepPixels<kSecondSweep>(frame, rows, row_count, run.kind, run.inner, step, end);
+      const int lag = kBandLag * run.rows.first;
+      SweepPixels<kSecondSweep>(frame, rows + run.rows.first, run.rows.count(), run.kind, run.inner,
+                                step - lag, end - lag);
     } else {
       SweepMixedPixels<kSecondSweep>(frame, rows, row_count, run.inner, step, end);
     }

@@ -35,10 +35,10 @@ constexpr int kSweepDirections = 8;
 /// direction.
 constexpr int kPixelHeader = 64;
 
-/// What a pixel of a sweep needs: kClear sets all path costs to zero, so that paths start anew
-/// there; others aggregate 2, 4 or 8 directions; kClearRest in addition clears those it does not
-/// use, for a neighbour in a cell with more paths.
-enum PixelKind : std::uint8_t { kClear = 0, kTwo = 1, kFour = 2, kEight = 3, kClearRest = 4 };
+/// What a pixel of a sweep needs: to aggregate 2, 4 or 8 directions; kClearRest in addition sets
+/// the path costs of those it does not use to zero, so that paths start anew at a neighbour in a
+/// cell with more of them.
+enum PixelKind : std::uint8_t { kOutside = 0, kTwo = 1, kFour = 2, kEight = 3, kClearRest = 4 };
 
 /// Path costs of a pixel: the header, then for each direction a block of padded_range costs.
 struct PathLayout {
@@ -48,7 +48,8 @@ struct PathLayout {
 };
 
 /// Where the path costs of a row's pixels lie: [u], -kPathMargin .. width + kPathMargin - 1. A row
-/// inside a band keeps only its last few pixels, so that places recur.
+/// inside a band keeps only its last few pixels, so that places recur. Path costs of pixels outside
+/// of the image are zero: paths start anew beside them.
 using PathRow = std::uint8_t* const*;
 
 /// The winner of one pixel.
@@ -112,8 +113,7 @@ void orderedCensusRow(const PaddedImage& image, bool mirrored, int y, CensusWind
                       std::uint8_t* planes, std::uint8_t* row);
 
 /// Run steps [first, last) of one band of `row_count` <= kBandRows rows. At step s row r is at
-/// pixel s - kBandLag * r; the band is complete with steps -kPathMargin to width + kPathMargin +
-/// kBandLag * (row_count - 1).
+/// pixel s - kBandLag * r; the band is complete with steps 0 to width + kBandLag * (row_count - 1).
 void runFirstSweep(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
                    int last);
 void runSecondSweep(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
