@@ -6,7 +6,37 @@
 #include "adaptive_grid_stereo/matching/refinement.h"
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
 
+// A plain loop, which the compiler turns into each target's vectors.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "src/matching/small_regions.cpp"
+#include "src/matching/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
 namespace adaptive_grid_stereo {
+namespace HWY_NAMESPACE {
+
+// Sets edges[x] to 1 where pixels x - 1 and x do not belong together, else to 0.
+HWY_ATTR void MarkEdges(const std::int16_t* values, int width, int max_step,
+                        std::uint8_t* __restrict edges) {
+  // Modulo 65536: differences and largest steps of disparities stay well below its half.
+  const std::uint16_t most = static_cast<std::uint16_t>(max_step);
+  const std::uint16_t twice = static_cast<std::uint16_t>(2 * max_step);
+  edges[0] = 0;
+  for (int x = 1; x < width; ++x) {
+    const std::int16_t value = values[x], before = values[x - 1];
+    const std::uint16_t shifted = static_cast<std::uint16_t>(value - before + most);
+    edges[x] = (shifted > twice) | ((value == kInvalidDisparity) != (before == kInvalidDisparity));
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace adaptive_grid_stereo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace adaptive_grid_stereo {
+HWY_EXPORT(MarkEdges);
+
 namespace {
 
 template <class Runs>
@@ -32,6 +62,20 @@ void unite(Runs* runs, std::int32_t a, std::int32_t b) {
   if ((*runs)[a].size < (*runs)[b].size) std::swap(a, b);
   (*runs)[b].parent = a;
   (*runs)[a].size += (*runs)[b].size;
+}
+
+constexpr int kWordPixels = 64;
+
+// 64 bytes of 0 or 1 as bits, the first one lowest (on little-endian machines).
+std::uint64_t bitsOf(const std::uint8_t* bytes) {
+  std::uint64_t bits = 0;
+  for (int i = 0; i < 8; ++i) {
+    std::uint64_t eight;
+    std::memcpy(&eight, bytes + 8 * i, sizeof(eight));
+    // The product's highest byte gathers the bytes' lowest bits.
+    bits |= eight * 0x0102040810204080u >> 56 << 8 * i;
+  }
+  return bits;
 }
 
 // Whether any of the pixels one above the other belong together.
@@ -68,33 +112,30 @@ void SmallRegions::find(int index) {
 }
 
 void SmallRegions::addRow(int y, Part* part) const {
-  constexpr int kWord = sizeof(std::uint64_t);
   const std::int16_t* values = disparity_.ptr<std::int16_t>(y);
-  const int width = disparity_.cols, max_step = max_step_;
-  part->edges.assign((width + kWord - 1) / kWord * kWord, 0);
+  const int width = disparity_.cols;
+  part->edges.resize(width / kWordPixels * kWordPixels + kWordPixels);
   std::uint8_t* edges = part->edges.data();
-  for (int x = 1; x < width; ++x) {
-    const int value = values[x], before = values[x - 1];
-    edges[x] = (std::abs(value - before) > max_step) |
-               ((value == kInvalidDisparity) != (before == kInvalidDisparity));
-  }
-  std::vector<Run>& runs = part->runs;
-  const auto addRun = [&](int begin, int end) {
-    if (values[begin] == kInvalidDisparity) return;
-    runs.push_back({begin, end, static_cast<std::int32_t>(runs.size()), end - begin});
-  };
-  int begin = 0;
-  for (int x = 0; x < width; x += kWord) {
-    std::uint64_t word;
-    std::memcpy(&word, edges + x, kWord);
-    if (word == 0) continue;
-    for (int edge = x; edge < x + kWord; ++edge) {
-      if (edges[edge] == 0) continue;
-      addRun(begin, edge);
-      begin = edge;
+  HWY_DYNAMIC_DISPATCH(MarkEdges)(values, width, max_step_, edges);
+  edges[width] = 1;  // the end of the row's last run
+  std::fill(edges + width + 1, edges + part->edges.size(), std::uint8_t{0});
+  // Where runs end nobody can foretell, hence as few branches as possible.
+  part->ends.resize(width + 1);
+  std::int32_t* last = part->ends.data();
+  for (int x = 0; x <= width; x += kWordPixels) {
+    for (std::uint64_t bits = bitsOf(edges + x); bits != 0; bits &= bits - 1) {
+      *last++ = x + __builtin_ctzll(bits);
     }
   }
-  addRun(begin, width);
+  std::vector<Run>& runs = part->runs;
+  std::size_t count = runs.size();
+  runs.resize(count + (last - part->ends.data()));
+  std::int32_t begin = 0;
+  for (const std::int32_t* end = part->ends.data(); end < last; begin = *end++) {
+    runs[count] = {begin, *end, static_cast<std::int32_t>(count), *end - begin};
+    count += values[begin] != kInvalidDisparity;
+  }
+  runs.resize(count);
 }
 
 // Joins row y, whose runs are here .. end - 1, to the row before, whose runs are above .. here - 1.
@@ -156,3 +197,4 @@ void removeSmallRegions(int max_size, int max_step, SmallRegions* regions, cv::M
 }
 
 }  // namespace adaptive_grid_stereo
+#endif  // HWY_ONCE

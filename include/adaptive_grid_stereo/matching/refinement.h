@@ -46,6 +46,7 @@ class SmallRegions {
     std::vector<Run> runs;
     std::vector<std::int32_t> row_begin;  // first run of each row
     std::vector<std::uint8_t> edges;      // [x] 1 where a run begins or ends
+    std::vector<std::int32_t> ends;       // columns where a row's runs end
   };
 
   int firstRow(int part) const { return disparity_.rows * part / parts_; }
