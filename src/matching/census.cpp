@@ -1,5 +1,7 @@
 #include "adaptive_grid_stereo/matching/census.h"
 
+#include <algorithm>
+
 #include "src/matching/sweep.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -7,23 +9,26 @@
 #include "src/matching/simd-inl.h"
 //
 #include "src/matching/hamming_distance-inl.h"
+#include "src/matching/repeat-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
-// The bits so far, and one more: whether neighbour < centre.
-template <class V>
+// Bits of a byte so far, and bit kPlace, of which there come fewer and fewer: whether neighbour <
+// centre.
+template <int kPlace, class V>
 HWY_INLINE V PushBit(V bits, V neighbour, V centre) {
   const hn::ScalableTag<std::uint8_t> d;
-  const V moved = hn::Add(bits, bits), one = hn::Set(d, std::uint8_t{1});
 #if HWY_TARGET == HWY_AVX3_DL
+  const V bit = hn::Set(d, static_cast<std::uint8_t>(1 << kPlace));
   const __mmask64 less = _mm512_cmplt_epu8_mask(neighbour.raw, centre.raw);
-  return V{_mm512_mask_add_epi8(moved.raw, less, moved.raw, one.raw)};
+  return V{_mm512_mask_add_epi8(bits.raw, less, bits.raw, bit.raw)};
 #else
   // A saturated difference, of which only "not zero" counts.
-  return hn::Or(moved, hn::Min(hn::SaturatedSub(centre, neighbour), one));
+  const V one = hn::Set(d, std::uint8_t{1});
+  return hn::Or(hn::Add(bits, bits), hn::Min(hn::SaturatedSub(centre, neighbour), one));
 #endif
 }
 
@@ -31,24 +36,26 @@ HWY_INLINE V PushBit(V bits, V neighbour, V centre) {
 template <int kHalfWidth, int kHalfHeight, int kSign>
 HWY_ATTR void CensusOfWindow(const PaddedImage& image, int y, std::uint8_t* planes) {
   const hn::ScalableTag<std::uint8_t> d;
-  constexpr int kBits = (2 * kHalfWidth + 1) * (2 * kHalfHeight + 1) - 1;
+  constexpr int kColumns = 2 * kHalfWidth + 1, kRows = 2 * kHalfHeight + 1;
+  constexpr int kBits = kColumns * kRows - 1;
   const std::size_t stride = censusStride(image.width());
+  const std::uint8_t* rows[kRows];
+  for (int j = 0; j < kRows; ++j) rows[j] = image.row(y + j - kHalfHeight);
   for (int x = 0; x < image.width(); x += static_cast<int>(hn::Lanes(d))) {
-    const auto centre = hn::LoadU(d, image.row(y) + x);
-    auto byte = hn::Zero(d);
-    int bit = 0;
-    for (int j = -kHalfHeight; j <= kHalfHeight; ++j) {
-      const std::uint8_t* row = image.row(y + j) + x;
-      for (int i = -kHalfWidth; i <= kHalfWidth; ++i) {
-        if (j == 0 && i == 0) continue;
-        byte = PushBit(byte, hn::LoadU(d, row + kSign * i), centre);
-        ++bit;
-        if (bit % 8 == 0 || bit == kBits) {
-          hn::StoreU(byte, d, planes + (bit - 1) / 8 * stride + kCensusMargin + x);
-          byte = hn::Zero(d);
-        }
-      }
-    }
+    const auto centre = hn::LoadU(d, rows[kHalfHeight] + x);
+    Repeat<(kBits + 7) / 8>([&](auto plane) AGS_LAMBDA {
+      constexpr int kFirst = 8 * decltype(plane)::value, kCount = std::min(8, kBits - kFirst);
+      auto byte = hn::Zero(d);
+      Repeat<kCount>([&](auto i) AGS_LAMBDA {
+        constexpr int kBit = kFirst + decltype(i)::value;
+        // The centre is none of the bits.
+        constexpr int kPixel = kBit < kBits / 2 ? kBit : kBit + 1;
+        constexpr int kRow = kPixel / kColumns, kColumn = kPixel % kColumns - kHalfWidth;
+        const auto neighbour = hn::LoadU(d, rows[kRow] + x + kSign * kColumn);
+        byte = PushBit<kCount - 1 - decltype(i)::value>(byte, neighbour, centre);
+      });
+      hn::StoreU(byte, d, planes + plane * stride + kCensusMargin + x);
+    });
   }
 }
 

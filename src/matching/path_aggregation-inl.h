@@ -6,8 +6,7 @@
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_PATH_AGGREGATION_INL_H
 #endif
 
-#include <type_traits>
-
+#include "src/matching/repeat-inl.h"
 #include "src/matching/sweep.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -32,15 +31,6 @@ struct ByteSums {
   HWY_ATTR ByteSums(V16 even_sums, V16 odd_sums) : even(even_sums), odd(odd_sums) {}
   V16 even, odd;
 };
-
-// Calls f(integral_constant<int, i>) for i = 0 .. kCount - 1, unrolled.
-template <int kCount, int kFirst = 0, class F>
-HWY_INLINE void Repeat(const F& f) {
-  if constexpr (kFirst < kCount) {
-    f(std::integral_constant<int, kFirst>());
-    Repeat<kCount, kFirst + 1>(f);
-  }
-}
 
 // The pixel that direction r comes from. Directions are in the order of the plan: the first two
 // belong to every pixel, the first four to cells of 8 paths, all to cells of 16. (du, dv) from the
