@@ -1,6 +1,7 @@
 #include "src/matching/row_selection.h"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
@@ -81,56 +82,45 @@ HWY_ATTR void InterpolateRow(const WinnerRow& winners, int width, bool subpixel,
   }
 }
 
-// What each winner claims: which right pixel, `nowhere` if there is no winner, and by what.
-HWY_ATTR void FindClaims(const WinnerRow& winners, const std::uint8_t* shifts, int width,
-                         int min_disparity, std::int32_t nowhere, std::int32_t* places,
-                         std::int32_t* claims) {
+// What each winner claims: which right pixel, `nowhere` if there is no winner, and by what. And
+// where the right image is asked: at that pixel and at the one to its right, or else to its left,
+// where the winner's neighbour on the side of its sub-pixel disparity would be seen; `questions`
+// has the left one of the two.
+HWY_ATTR void FindClaims(const WinnerRow& winners, const std::uint8_t* shifts,
+                         const std::int16_t* disparity, int width, int min_disparity,
+                         std::int32_t nowhere, RowBuffers* buffers) {
   const std::uint16_t* __restrict index = winners.index;
   const std::uint16_t* __restrict sum = winners.sum;
   const std::uint8_t* __restrict shift = shifts;
-  std::int32_t* __restrict place = places;
-  std::int32_t* __restrict claim = claims;
+  const std::int16_t* __restrict value = disparity;
+  std::int32_t* __restrict place = buffers->places.data();
+  std::int32_t* __restrict claim = buffers->claims.data();
+  std::int32_t* __restrict question = buffers->questions.data();
   for (int x = 0; x < width; ++x) {
     const std::int32_t none = -static_cast<std::int32_t>(index[x] == kNoWinner);
     const std::int32_t k = index[x] & ~kNotUnique;
     place[x] = ((x - min_disparity - k) & ~none) | (nowhere & none);
     claim[x] = sum[x] << shift[x] << kIndexBits | k;
-  }
-}
-
-// Where a winner's neighbour would be seen in the right image, on the side that its sub-pixel
-// disparity lies on, or the winner itself if there is no such side.
-HWY_ATTR void FindSecondPlaces(const WinnerRow& winners, const std::int16_t* disparity, int width,
-                               const std::int32_t* places, std::int32_t* second_places) {
-  const std::uint16_t* __restrict index = winners.index;
-  const std::int16_t* __restrict value = disparity;
-  const std::int32_t* __restrict place = places;
-  std::int32_t* __restrict second = second_places;
-  for (int x = 0; x < width; ++x) {
-    const std::int32_t from_winner = value[x] - index[x] * kDisparityScale;
-    const std::int32_t valid = -static_cast<std::int32_t>(value[x] != kInvalidDisparity);
-    const std::int32_t side = (from_winner > 0) - (from_winner < 0);
-    second[x] = place[x] - (side & valid);
+    question[x] = place[x] - (value[x] > k * kDisparityScale);
   }
 }
 
 // Drops winners that the right image contradicts, in both of the places where it was asked.
 HWY_ATTR void DropInconsistent(const WinnerRow& winners, int width, unsigned most,
-                               const std::int32_t* places, const std::int32_t* second_places,
-                               const std::int32_t* found, const std::int32_t* second_found,
-                               std::int16_t* disparity) {
+                               const RowBuffers& buffers, std::int16_t* disparity) {
   const std::uint16_t* __restrict index = winners.index;
-  const std::int32_t* __restrict place = places;
-  const std::int32_t* __restrict second_place = second_places;
-  const std::int32_t* __restrict first = found;
-  const std::int32_t* __restrict second = second_found;
+  const std::int32_t* __restrict place = buffers.places.data();
+  const std::int32_t* __restrict question = buffers.questions.data();
+  const std::int32_t* __restrict answer = buffers.answers.data();
   std::int16_t* __restrict value = disparity;
   for (int x = 0; x < width; ++x) {
     const std::int32_t k = index[x] & ~kNotUnique;
-    const std::int32_t second_k = k + place[x] - second_place[x];
-    const unsigned difference = static_cast<unsigned>((first[x] & kIndexMask) - k);
-    const unsigned second_difference = static_cast<unsigned>((second[x] & kIndexMask) - second_k);
-    const int keep = -((difference + most <= 2 * most) | (second_difference + most <= 2 * most));
+    // What the winner itself, or its neighbour, would have as index there.
+    const std::int32_t left_k = k + place[x] - question[x], right_k = left_k - 1;
+    const unsigned left = static_cast<unsigned>((answer[2 * x] & kIndexMask) - left_k);
+    const unsigned right = static_cast<unsigned>((answer[2 * x + 1] & kIndexMask) - right_k);
+    const int has_side = value[x] != k * kDisparityScale;
+    const int keep = -((left + most <= 2 * most) | ((right + most <= 2 * most) & has_side));
     value[x] = static_cast<std::int16_t>((value[x] & keep) | (kInvalidDisparity & ~keep));
   }
 }
@@ -142,26 +132,21 @@ HWY_ATTR void CheckRow(const WinnerRow& winners, const std::uint8_t* shifts, int
   // One pixel more on either side lets a neighbouring disparity be looked up without asking; one
   // beyond takes the claims of those that have none.
   const std::int32_t nowhere = width + 1;
-  buffers->right.assign(width + 3, kNoClaim);
-  for (auto* row :
-       {&buffers->places, &buffers->second_places, &buffers->found, &buffers->second_found}) {
-    row->resize(width);
-  }
+  buffers->right.assign(width + 4, kNoClaim);
+  for (auto* row : {&buffers->places, &buffers->claims, &buffers->questions}) row->resize(width);
+  buffers->answers.resize(2 * static_cast<std::size_t>(width));
+  FindClaims(winners, shifts, disparity, width, config.min_disparity, nowhere, buffers);
   std::int32_t* right = buffers->right.data() + 1;
-  std::int32_t* places = buffers->places.data();
-  std::int32_t* second_places = buffers->second_places.data();
-  std::int32_t* found = buffers->found.data();
-  std::int32_t* second_found = buffers->second_found.data();
-  FindClaims(winners, shifts, width, config.min_disparity, nowhere, places, found);
-  for (int x = 0; x < width; ++x) right[places[x]] = std::min(right[places[x]], found[x]);
-  FindSecondPlaces(winners, disparity, width, places, second_places);
+  const std::int32_t* place = buffers->places.data();
+  const std::int32_t* claim = buffers->claims.data();
+  for (int x = 0; x < width; ++x) right[place[x]] = std::min(right[place[x]], claim[x]);
+  const std::int32_t* question = buffers->questions.data();
+  std::int32_t* answer = buffers->answers.data();
   for (int x = 0; x < width; ++x) {
-    found[x] = right[places[x]];
-    second_found[x] = right[second_places[x]];
+    std::memcpy(answer + 2 * x, right + question[x], 2 * sizeof(*answer));
   }
   const int most = std::min(config.disp12_max_diff, kLargestDifference);
-  DropInconsistent(winners, width, static_cast<unsigned>(most), places, second_places, found,
-                   second_found, disparity);
+  DropInconsistent(winners, width, static_cast<unsigned>(most), *buffers, disparity);
 }
 
 HWY_ATTR void SelectRow(const Winner* winners, const std::uint8_t* shifts, int width,
