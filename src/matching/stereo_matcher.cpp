@@ -2,27 +2,18 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <stdexcept>
 #include <thread>
 
-#include "adaptive_grid_stereo/matching/census.h"
 #include "adaptive_grid_stereo/matching/padded_image.h"
 #include "adaptive_grid_stereo/matching/refinement.h"
 #include "adaptive_grid_stereo/matching/simd_target.h"
-#include "src/matching/aligned_buffer.h"
-
+#include "src/matching/stopwatch.h"
 #include "src/matching/sweeps.h"
 #include "src/matching/thread_pool.h"
 
 namespace adaptive_grid_stereo {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 void checkConfig(const MatcherConfig& config) {
   MatcherConfig legal = config;
@@ -56,14 +47,12 @@ struct StereoMatcher::Impl {
   MatchResult result;
   std::unique_ptr<ThreadPool> pool;
   PaddedImage left, left_mirrored, right_mirrored;
-  AlignedBuffer<std::uint8_t> left_census, right_census;
-  std::vector<std::vector<std::uint8_t>> census_planes;  // of a row, for each thread
   Sweeps sweeps;
   SmallRegions regions;
   cv::Mat unfiltered;
   std::atomic<bool> stop{false};
 
-  void transform(const cv::Mat& left_image, const cv::Mat& right_image);
+  void pad(const cv::Mat& left_image, const cv::Mat& right_image);
   void refine();
 };
 
@@ -85,32 +74,16 @@ const MatcherConfig& StereoMatcher::config() const { return impl_->config; }
 
 void StereoMatcher::cancel() { impl_->stop = true; }
 
-void StereoMatcher::Impl::transform(const cv::Mat& left_image, const cv::Mat& right_image) {
+void StereoMatcher::Impl::pad(const cv::Mat& left_image, const cv::Mat& right_image) {
   left.reserve(left_image);
   left_mirrored.reserve(left_image);
   right_mirrored.reserve(right_image);
-  const int height = left_image.rows;
-  const std::size_t row_bytes = censusRowBytes(left_image.cols);
-  left_census.reserve(row_bytes * height);
-  right_census.reserve(row_bytes * height);
-  const int threads = pool->size();
-  census_planes.resize(threads);
+  const int height = left_image.rows, threads = pool->size();
   pool->run([&](int thread) {
     const int begin = height * thread / threads, end = height * (thread + 1) / threads;
     left.copyRows(left_image, false, begin, end);
     left_mirrored.copyRows(left_image, true, begin, end);
     right_mirrored.copyRows(right_image, true, begin, end);
-  });
-  pool->run([&](int thread) {
-    const int begin = height * thread / threads, end = height * (thread + 1) / threads;
-    std::vector<std::uint8_t>& planes = census_planes[thread];
-    planes.resize(row_bytes);
-    for (int y = begin; y < end; ++y) {
-      orderedCensusRow(left, false, y, config.census_window, planes.data(),
-                       left_census.data() + y * row_bytes);
-      orderedCensusRow(right_mirrored, true, y, config.census_window, planes.data(),
-                       right_census.data() + y * row_bytes);
-    }
   });
 }
 
@@ -144,28 +117,27 @@ const MatchResult& StereoMatcher::match(const cv::Mat& left, const cv::Mat& righ
   checkPlan(plan, left.cols, left.rows);
   Impl& impl = *impl_;
   MatchResult& result = impl.result;
-  const Clock::time_point start = Clock::now();
+  const Stopwatch total;
+  impl.pad(left, right);
+  const double padding = total.milliseconds();
 
-  impl.transform(left, right);
-  result.times.census = millisecondsSince(start);
-
-  const Clock::time_point sweeps_start = Clock::now();
+  const Stopwatch sweeps;
   impl.unfiltered.create(left.size(), CV_16SC1);
   result.disparity.create(left.size(), CV_16SC1);
   impl.sweeps.prepare(left.cols, left.rows, impl.config, impl.pool->size());
-  impl.sweeps.run(
-      {&impl.left, &impl.left_mirrored, impl.left_census.data(), impl.right_census.data()}, plan,
-      impl.stop, impl.pool.get(), &impl.unfiltered);
+  impl.sweeps.run({&impl.left, &impl.left_mirrored, &impl.right_mirrored}, plan, impl.stop,
+                  impl.pool.get(), &impl.unfiltered);
   if (impl.stop) throw MatchCancelled();
-  result.times.sweeps = millisecondsSince(sweeps_start);
+  result.times.census = padding + impl.sweeps.censusTime();
+  result.times.sweeps = sweeps.milliseconds() - impl.sweeps.censusTime();
 
-  const Clock::time_point refinement_start = Clock::now();
+  const Stopwatch refinement;
   impl.refine();
-  result.times.refinement = millisecondsSince(refinement_start);
+  result.times.refinement = refinement.milliseconds();
 
   result.min_disparity = impl.config.min_disparity;
   result.disparity_range = impl.config.disparity_range;
-  result.times.total = millisecondsSince(start);
+  result.times.total = total.milliseconds();
   return result;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/matching/stopwatch.h"
+
 namespace adaptive_grid_stereo {
 namespace {
 
@@ -51,8 +53,9 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
   penalty_stride_ = kSweepDirections * ((static_cast<std::size_t>(width) + 63) / 64 * 64);
   workers_.resize(threads);
   for (Worker& worker : workers_) worker.penalties.reserve(kBandRows * penalty_stride_);
-  winner_rows_ = threads == 1 ? kBandRows : height;
-  winners_.reserve(static_cast<std::size_t>(width) * winner_rows_);
+  kept_rows_ = threads == 1 ? kBandRows : height;
+  census_.prepare(width, kept_rows_, threads);
+  winners_.reserve(static_cast<std::size_t>(width) * kept_rows_);
 }
 
 void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
@@ -67,6 +70,8 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
       std::fill(row + plan.column_edges[cell % 3], row + plan.column_edges[cell % 3 + 1], shift);
     }
   }
+  census_time_ = 0.0;
+  if (pool->size() > 1) makeCensusOfAll(images, pool);
   for (const bool second : {false, true}) runSweep(images, second, stop, pool, disparity);
   if (stop || pool->size() == 1) return;  // selected on the way
   pool->run([&](int thread) {
@@ -74,6 +79,19 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
     selectRows(height * thread / threads, height * (thread + 1) / threads,
                &workers_[thread].buffers, disparity);
   });
+}
+
+void Sweeps::makeCensus(const SweepImages& images, int first, int last, int thread) {
+  census_.make(*images.left, *images.right_mirrored, frame_.window, first, last, thread);
+}
+
+void Sweeps::makeCensusOfAll(const SweepImages& images, ThreadPool* pool) {
+  const Stopwatch watch;
+  pool->run([&](int thread) {
+    const int height = frame_.height, threads = pool->size();
+    makeCensus(images, height * thread / threads, height * (thread + 1) / threads, thread);
+  });
+  census_time_ = watch.milliseconds();
 }
 
 void Sweeps::runSweep(const SweepImages& images, bool second, const std::atomic<bool>& stop,
@@ -84,8 +102,14 @@ void Sweeps::runSweep(const SweepImages& images, bool second, const std::atomic<
   const auto prepare = [&](int strip, int band) {
     Worker& worker = workers_[strip];
     worker.row_count = std::min(kBandRows, frame_.height - band * kBandRows);
+    if (!second && pool->size() == 1) {
+      const Stopwatch watch;
+      makeCensus(images, band * kBandRows, band * kBandRows + worker.row_count, 0);
+      census_time_ += watch.milliseconds();
+    }
     for (int i = 0; i < worker.row_count; ++i) {
-      worker.rows[i] = makeRow(images, second, band, i, worker.row_count);
+      worker.rows[i] = makeRow(second, band, i, worker.row_count);
+      if (second) fetchVolume(worker.rows[i], strips.edge(strip) - kBandLag * i);
       fillPenalties(images, second, band * kBandRows + i, i, strips.edge(strip),
                     strips.edge(strip + 1), &worker, &worker.rows[i]);
     }
@@ -122,22 +146,27 @@ void Sweeps::fillPenalties(const SweepImages& images, bool second, int v, int ro
   out->penalties = target;
 }
 
-Winner* Sweeps::winnersOf(int y) {
-  return winners_.data() + static_cast<std::size_t>(y % winner_rows_) * frame_.width;
+void Sweeps::fetchVolume(const SweepRow& row, int u) const {
+  constexpr int kPixels = 4, kLine = 64 / sizeof(std::uint16_t);
+  const int padded = frame_.layout.padded_range, end = frame_.width - std::max(0, u);
+  const std::uint16_t* volume = row.volume + static_cast<std::size_t>(end) * padded;
+  for (int k = 1; k <= kPixels * padded / kLine; ++k) __builtin_prefetch(volume - k * kLine);
 }
 
-SweepRow Sweeps::makeRow(const SweepImages& images, bool second, int band, int index,
-                         int row_count) {
+Winner* Sweeps::winnersOf(int y) {
+  return winners_.data() + static_cast<std::size_t>(y % kept_rows_) * frame_.width;
+}
+
+SweepRow Sweeps::makeRow(bool second, int band, int index, int row_count) {
   const int width = frame_.width;
   const int v = band * kBandRows + index;
   const int y = second ? frame_.height - 1 - v : v;
-  const std::size_t census_row = censusRowBytes(width);
   SweepRow row{};
   row.kinds = kinds_[second].row(v);
   row.kind_ends = kinds_[second].ends(v);
   path_rows_.find(second, band, index, row_count, &row);
-  row.left = images.left_census + y * census_row;
-  row.right = images.right_census + y * census_row;
+  row.left = census_.left(y);
+  row.right = census_.right(y);
   row.volume = volume_.data() + static_cast<std::size_t>(y) * width * frame_.layout.padded_range;
   row.winners = winnersOf(y);
   return row;

@@ -10,6 +10,7 @@
 #include "adaptive_grid_stereo/matching/padded_image.h"
 #include "adaptive_grid_stereo/path_plan.h"
 #include "src/matching/aligned_buffer.h"
+#include "src/matching/census_rows.h"
 #include "src/matching/path_rows.h"
 #include "src/matching/pixel_kinds.h"
 #include "src/matching/row_selection.h"
@@ -23,12 +24,11 @@ namespace adaptive_grid_stereo {
 struct SweepImages {
   const PaddedImage* left = nullptr;
   const PaddedImage* left_mirrored = nullptr;
-  const std::uint8_t* left_census = nullptr;   // [y * censusRowBytes]
-  const std::uint8_t* right_census = nullptr;  // of the mirrored right image
+  const PaddedImage* right_mirrored = nullptr;
 };
 
-/// Runs the two sweeps over an image, band by band; the threads share each band by strips of
-/// columns. Owns the volume between the sweeps.
+/// Census transform and the two sweeps over an image, band by band; the threads share each band by
+/// strips of columns. Owns the volume between the sweeps.
 class Sweeps {
  public:
   /// Makes buffers for the size and range where they are too small.
@@ -38,6 +38,9 @@ class Sweeps {
   /// `stop` becomes true: then it is left unfinished.
   void run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
            ThreadPool* pool, cv::Mat* disparity);
+
+  /// What the census transform took of the last run() [ms].
+  double censusTime() const { return census_time_; }
 
  private:
   struct Worker {
@@ -49,10 +52,14 @@ class Sweeps {
 
   void runSweep(const SweepImages& images, bool second, const std::atomic<bool>& stop,
                 ThreadPool* pool, cv::Mat* disparity);
+  void makeCensus(const SweepImages& images, int first, int last, int thread);
+  void makeCensusOfAll(const SweepImages& images, ThreadPool* pool);
   void selectRows(int first, int last, RowBuffers* buffers, cv::Mat* disparity);
-  SweepRow makeRow(const SweepImages& images, bool second, int band, int index, int row_count);
+  SweepRow makeRow(bool second, int band, int index, int row_count);
   void fillPenalties(const SweepImages& images, bool second, int v, int row, int first_step,
                      int end_step, Worker* worker, SweepRow* out);
+  // Fetches what the second sweep reads of the volume first, from pixel u on.
+  void fetchVolume(const SweepRow& row, int u) const;
   Winner* winnersOf(int y);
 
   MatcherConfig config_;
@@ -62,8 +69,12 @@ class Sweeps {
   std::vector<std::uint8_t> shifts_;  // [row cell][x]
   PathPlan plan_;
   AlignedBuffer<std::uint16_t> volume_;
-  AlignedBuffer<Winner> winners_;  // [y % winner_rows_][x]
-  int winner_rows_ = 1;
+  // Rows whose census strings and winners are kept: all, or with one thread those of a band, which
+  // are made and used up while they are in the caches.
+  int kept_rows_ = 1;
+  CensusRows census_;
+  double census_time_ = 0.0;
+  AlignedBuffer<Winner> winners_;  // [y % kept_rows_][x]
   PathRows path_rows_;
   Strips strips_[2];
   std::vector<Worker> workers_;  // one per strip
