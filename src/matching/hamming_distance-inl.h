@@ -79,8 +79,8 @@ HWY_INLINE void OrderByPixel(int width, CensusWindow window, const std::uint8_t*
 // disparity index k is k strings further.
 struct CensusPlaces {
   const std::uint8_t* left;
-  const std::uint8_t* right;  // of column 0
-  std::ptrdiff_t column;      // of the first disparity in the mirrored row
+  const std::uint8_t* right;
+  std::ptrdiff_t column;  // of the first disparity in the mirrored row
 };
 
 // How far ahead a pixel's strings are fetched.
@@ -89,15 +89,15 @@ constexpr std::ptrdiff_t kPixelsAhead = 24;
 HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row, int x) {
   const std::ptrdiff_t column = frame.width - 1 - x + frame.min_disparity;
   const std::uint8_t* left = row.left + kCensusBytes * (kCensusMargin + x);
-  const std::uint8_t* right = row.right + kCensusBytes * kCensusMargin;
+  const std::uint8_t* right = row.right + kCensusBytes * (kCensusMargin + column);
   // Among the many streams of path costs, hardware does not see that these two go on.
   __builtin_prefetch(left + kCensusBytes * kPixelsAhead);
-  __builtin_prefetch(right + kCensusBytes * (column - kPixelsAhead));
+  __builtin_prefetch(right - kCensusBytes * kPixelsAhead);
   return {left, right, column};
 }
 
-// After eight vectors of eight counts each have been laid into each other, count n stands in byte
-// 8 * (n % 8) + n / 8; those from 64 on are in a ninth vector. Picks counts t .. t + 63.
+// After the eight vectors of eight counts each have been laid into each other, count n stands where
+// the table says; those from 64 on are in a ninth vector. Picks counts t .. t + 63.
 struct CountOrder {
   alignas(64) std::uint8_t from[8][64];
 };
@@ -105,9 +105,11 @@ constexpr CountOrder makeCountOrder() {
   CountOrder order{};
   for (int t = 0; t < 8; ++t) {
     for (int i = 0; i < 64; ++i) {
-      const int n = t + i;
-      order.from[t][i] =
-          static_cast<std::uint8_t>(n < 64 ? 8 * (n % 8) + n / 8 : 64 + 8 * (n - 64));
+      const int vector = (t + i) / 8, count = (t + i) % 8;
+      // Packing leaves two counts of either vector of a pair in each block of 16 bytes; pairs are
+      // laid into each other byte by byte.
+      const int laid = 16 * (count / 2) + 8 * (vector % 2) + 4 * (count % 2) + vector / 2;
+      order.from[t][i] = static_cast<std::uint8_t>(vector < 8 ? laid : 64 + 8 * count);
     }
   }
   return order;
@@ -118,21 +120,24 @@ static constexpr CountOrder kCountOrder = makeCountOrder();
 HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(CensusWindow,
                                                                    const CensusPlaces& at, int k) {
   const hn::ScalableTag<std::uint64_t> d;
-  const std::ptrdiff_t column = at.column + k;
-  const std::uint8_t* from = at.right + kCensusBytes * (column & ~std::ptrdiff_t{7});
+  const hn::Repartition<std::uint32_t, decltype(d)> d32;
+  // Strings are counted from a cache line's begin on.
+  const std::uintptr_t right = reinterpret_cast<std::uintptr_t>(at.right + kCensusBytes * k);
+  const std::uint64_t* from = reinterpret_cast<const std::uint64_t*>(right & ~std::uintptr_t{63});
   std::uint64_t string;
   std::memcpy(&string, at.left, sizeof(string));
   const auto left = hn::Set(d, string);
   const auto count = [&](int i) AGS_LAMBDA {
-    const auto right = hn::Load(d, reinterpret_cast<const std::uint64_t*>(from + 64 * i));
-    return hn::PopulationCount(hn::Xor(left, right));
+    return hn::PopulationCount(hn::Xor(left, hn::Load(d, from + 8 * i)));
   };
-  const auto a = hn::Or3(count(0), hn::ShiftLeft<8>(count(1)), hn::ShiftLeft<16>(count(2)));
-  const auto b = hn::Or3(hn::ShiftLeft<24>(count(3)), hn::ShiftLeft<32>(count(4)),
-                         hn::ShiftLeft<40>(count(5)));
-  const auto c = hn::Or3(a, hn::ShiftLeft<48>(count(6)), hn::ShiftLeft<56>(count(7)));
-  const auto counts = hn::Or(b, c), rest = count(8);
-  const __m512i order = _mm512_load_si512(kCountOrder.from[column & 7]);
+  // Packing takes another of the CPU's ports than shifting.
+  const auto pair = [&](int i) AGS_LAMBDA {
+    return hn::Vec<decltype(d32)>{_mm512_packus_epi32(count(i).raw, count(i + 1).raw)};
+  };
+  const auto three = hn::Or3(pair(0), hn::ShiftLeft<8>(pair(2)), hn::ShiftLeft<16>(pair(4)));
+  const auto counts = hn::Or(three, hn::ShiftLeft<24>(pair(6)));
+  const auto rest = count(8);
+  const __m512i order = _mm512_load_si512(kCountOrder.from[right / kCensusBytes % 8]);
   return {_mm512_permutex2var_epi8(counts.raw, order, rest.raw)};
 }
 
