@@ -8,6 +8,7 @@
 #endif
 
 #include <algorithm>
+#include <cstring>
 
 #include "src/matching/path_aggregation-inl.h"
 #include "src/matching/sweep.h"
@@ -89,17 +90,16 @@ HWY_INLINE std::uint64_t SmallestKeys(V16 a, V16 b, V16 c, V16 e) {
   return hn::GetLane(hn::BitCast(hn::Full128<std::uint64_t>(), block));
 }
 
-// The winning index by the smallest key and the keys it is among; `sums` are those it was made of.
-template <int kBits>
-HWY_INLINE int IndexOfKey(std::uint16_t key, const std::uint16_t* keys, const std::uint16_t* sums) {
+// The winning place among the sums of one parity, by the smallest key and the keys it is among.
+// kPadded: the padded range if known, else 0.
+template <int kBits, int kPadded>
+HWY_INLINE int PlaceOfKey(std::uint16_t key, const std::uint16_t* keys) {
   const D16 d;
-  int place = key & ((1 << kBits) - 1);
-  if (kBits == kBlockBits) {
-    const auto found = hn::Eq(hn::Load(d, keys), hn::Set(d, key));
-    place =
-        place * static_cast<int>(hn::Lanes(d)) + static_cast<int>(hn::FindKnownFirstTrue(d, found));
-  }
-  return 2 * place + (sums[place] != key >> kBits);
+  const int number = key & ((1 << kBits) - 1), lanes = static_cast<int>(hn::Lanes(d));
+  if (kBits > kBlockBits) return number;
+  const auto found = hn::Eq(hn::Load(d, keys), hn::Set(d, key));
+  const int lane = static_cast<int>(hn::FindKnownFirstTrue(d, found));
+  return kPadded > 0 && kPadded / 2 <= lanes ? lane : number * lanes + lane;
 }
 
 // Indices of the even disparities of a block; the odd ones are one larger.
@@ -150,14 +150,19 @@ HWY_INLINE void KeepCandidates(const Candidates& candidates, int at, ByteSums* s
   sums->odd = keep(sums->odd, odd);
 }
 
+// A winning sum and its place among those of one parity.
+struct PlacedSum {
+  int place, sum;
+};
+
 // The winner among the candidates, of which there is one at least, of any number of sums in memory;
 // the other sums become kNoSum.
-HWY_INLINE int SearchCandidates(std::uint16_t* sums, int padded_range,
-                                const Candidates& candidates) {
+HWY_INLINE PlacedSum SearchCandidates(std::uint16_t* sums, int padded_range,
+                                      const Candidates& candidates) {
   const D16 d;
   const int lanes = static_cast<int>(hn::Lanes(D8()));
   std::uint16_t* odd_sums = OddSums(sums, padded_range);
-  int best = 0, best_sum = 0x10000;
+  PlacedSum best{0, 0x10000};
   for (int group = 0; group < padded_range; group += kSearchBlocks * lanes) {
     V16 keys = hn::Set(d, kNoSum);
     for (int block = 0; block < kSearchBlocks && group + block * lanes < padded_range; ++block) {
@@ -169,11 +174,10 @@ HWY_INLINE int SearchCandidates(std::uint16_t* sums, int padded_range,
       keys = hn::Min(keys, SearchKeys<kBlockBits>(of_block, block));
     }
     const std::uint16_t key = static_cast<std::uint16_t>(SmallestKeys(keys, keys, keys, keys));
-    if (key >> kBlockBits < best_sum) {
-      best_sum = key >> kBlockBits;
+    if (key >> kBlockBits < best.sum) {
       alignas(64) std::uint16_t of_lanes[kMaxLanes / 2];
       hn::Store(keys, d, of_lanes);
-      best = group + IndexOfKey<kBlockBits>(key, of_lanes, sums + group / 2);
+      best = {group / 2 + PlaceOfKey<kBlockBits, 0>(key, of_lanes), key >> kBlockBits};
     }
   }
   return best;
@@ -200,17 +204,17 @@ HWY_INLINE bool HasRival(std::uint16_t* sums, int padded_range, int winner,
   return !hn::AllTrue(d, hn::Eq(below, hn::Zero(d)));
 }
 
-// The winner with its neighbours; sums that are no candidate's must be kNoSum.
-HWY_INLINE void PutWinner(const std::uint16_t* sums, int padded_range, int index, int sum,
+// The winner with its neighbours, by its place among the sums of one parity and its sum; sums that
+// are no candidate's must be kNoSum.
+HWY_INLINE void PutWinner(const std::uint16_t* sums, int padded_range, int place, std::uint16_t sum,
                           Winner* winner) {
-  // Among the odd ones if the index is even, and the other way round: as likely as not, hence no
-  // branch.
+  // Of even and odd sums that are equal, the even one wins.
+  const int odd = sums[place] != sum;
+  // Its neighbours are of the other parity: as likely as not the odd one, hence no branch.
   const int to_odd = static_cast<int>(OddSums(sums, padded_range) - sums) - 1;
-  const std::uint16_t* before = sums + index / 2 + (to_odd & (index % 2 - 1));
-  winner->index = static_cast<std::uint16_t>(index);
-  winner->sum = static_cast<std::uint16_t>(sum);
-  winner->before = before[0];
-  winner->after = before[1];
+  winner->index = static_cast<std::uint16_t>(2 * place + odd);
+  winner->sum = sum;
+  std::memcpy(winner->beside, sums + place + (to_odd & (odd - 1)), sizeof(winner->beside));
 }
 
 // Marks a winner that has a rival within the uniqueness ratio. Overwrites the sums around it.
@@ -225,11 +229,10 @@ HWY_INLINE void MarkAmbiguous(const SweepFrame& frame, std::uint16_t* sums, int 
 HWY_INLINE Winner SelectAmongCandidates(const SweepFrame& frame, std::uint16_t* sums,
                                         const Candidates& candidates) {
   const PathLayout& layout = frame.layout;
-  if (candidates.none()) return {kNoWinner, kNoSum, kNoSum, kNoSum};
-  const int index = SearchCandidates(sums, layout.padded_range, candidates);
-  const std::uint16_t* of_parity = index % 2 == 0 ? sums : OddSums(sums, layout.padded_range);
+  if (candidates.none()) return {kNoWinner, kNoSum, {kNoSum, kNoSum}};
+  const PlacedSum best = SearchCandidates(sums, layout.padded_range, candidates);
   Winner winner;
-  PutWinner(sums, layout.padded_range, index, of_parity[index / 2], &winner);
+  PutWinner(sums, layout.padded_range, best.place, static_cast<std::uint16_t>(best.sum), &winner);
   if (frame.uniqueness_factor > 0) MarkAmbiguous(frame, sums, layout.padded_range, &winner);
   return winner;
 }

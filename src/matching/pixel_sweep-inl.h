@@ -44,9 +44,10 @@ struct PixelSweep {
   static HWY_INLINE int PaddedRange(const SweepFrame& frame) {
     return kPadded ? kPadded : frame.layout.padded_range;
   }
-  // Costs, first half of the paths, volume. `smallest` receives the smallest path costs of the
-  // directions, one in the lanes of each.
-  static HWY_INLINE void First(const SweepFrame& frame, const SweepRow& row, int u, V8* smallest) {
+  // Costs, first half of the paths, volume. penalty_small: P1 in all lanes. `smallest` receives the
+  // smallest path costs of the directions, one in the lanes of each.
+  static HWY_INLINE void First(const SweepFrame& frame, const SweepRow& row, int u,
+                               V8 penalty_small, V8* smallest) {
     const D8 d;
     std::uint8_t* pixel = row.current[u];
     std::uint16_t* volume = row.volume + static_cast<std::size_t>(u) * PaddedRange(frame);
@@ -64,7 +65,8 @@ struct PixelSweep {
         }
       }
       ByteSums sums[kVectors];
-      Aggregate<kVectors>(frame, row, u, pixel, cost, k, smallest, sums);
+      AggregateVectors<kDirections, kVectors, kPadded>(row, u, pixel, PaddedRange(frame), cost, k,
+                                                       penalty_small, smallest, sums);
       for (int i = 0; i < kVectors; ++i) Pack(frame, cost[i], sums[i], volume + k + i * lanes);
     });
   }
@@ -72,8 +74,9 @@ struct PixelSweep {
   // Second half of the paths, sums; tells the smallest key of each lane for the winner's search,
   // or, if kLongRange, the winner itself. kBits: of a key below the sum.
   template <int kBits>
-  static HWY_INLINE void Second(const SweepFrame& frame, const SweepRow& row, int u, V8* smallest,
-                                std::uint16_t* sums, std::uint16_t* keys) {
+  static HWY_INLINE void Second(const SweepFrame& frame, const SweepRow& row, int u,
+                                V8 penalty_small, V8* smallest, std::uint16_t* sums,
+                                std::uint16_t* keys) {
     const D8 d;
     const D16 d16;
     const int x = frame.width - 1 - u;
@@ -89,7 +92,8 @@ struct PixelSweep {
       V8 cost[kVectors];
       for (int i = 0; i < kVectors; ++i) cost[i] = UnpackCost(frame, volume, k + i * lanes);
       ByteSums part[kVectors];
-      Aggregate<kVectors>(frame, row, u, pixel, cost, k, smallest, part);
+      AggregateVectors<kDirections, kVectors, kPadded>(row, u, pixel, PaddedRange(frame), cost, k,
+                                                       penalty_small, smallest, part);
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
         AddFirstSweep(volume + at, &part[i]);
@@ -123,35 +127,6 @@ struct PixelSweep {
     }
   }
 
-  // The winners of up to four rows, whose keys and sums lie `keys_stride` and `sums_stride` apart.
-  template <int kBits>
-  static HWY_INLINE void StoreWinners(const SweepFrame& frame, const SweepRow* rows, int row_count,
-                                      int step, const std::uint16_t* keys, int keys_stride,
-                                      std::uint16_t* sums, int sums_stride) {
-    static_assert(kBandRows == 4, "four rows are searched together");
-    const D16 d;
-    const auto keysOf = [&](int r) AGS_LAMBDA { return hn::Load(d, keys + r * keys_stride); };
-    std::uint64_t smallest = SmallestKeys(keysOf(0), keysOf(1), keysOf(2), keysOf(3));
-    const auto winnerOf = [&](int r) AGS_LAMBDA {
-      return rows[r].winners + (frame.width - 1 - (step - kBandLag * r));
-    };
-    for (int r = 0; r < row_count; ++r, smallest >>= 16) {
-      const std::uint16_t key = static_cast<std::uint16_t>(smallest);
-      const std::uint16_t* of_pixel = sums + r * sums_stride;
-      const int index = IndexOfKey<kBits>(key, keys + r * keys_stride, of_pixel);
-      if (kPlace == Place::kBorder && key >= kNoKey<kBits>) {
-        *winnerOf(r) = {kNoWinner, kNoSum, kNoSum, kNoSum};
-      } else {
-        PutWinner(of_pixel, PaddedRange(frame), index, key >> kBits, winnerOf(r));
-      }
-    }
-    if (frame.uniqueness_factor == 0) return;
-    for (int r = 0; r < row_count; ++r) {
-      if (winnerOf(r)->index == kNoWinner) continue;
-      MarkAmbiguous(frame, sums + r * sums_stride, PaddedRange(frame), winnerOf(r));
-    }
-  }
-
  private:
   // Calls f(integral_constant<int, vectors>, first disparity) for two vectors at a time, then one.
   // (Plain C++ has no use for pairs.)
@@ -166,15 +141,6 @@ struct PixelSweep {
       for (; k + 2 * lanes <= padded; k += 2 * lanes) f(Two(), k);
     }
     for (; k < padded; k += lanes) f(One(), k);
-  }
-
-  template <int kVectors>
-  static HWY_INLINE void Aggregate(const SweepFrame& frame, const SweepRow& row, int u,
-                                   std::uint8_t* pixel, const V8* cost, int k, V8* smallest,
-                                   ByteSums* sums) {
-    AggregateVectors<kDirections, kVectors, kPadded>(
-        row, u, pixel, PaddedRange(frame), cost, k,
-        hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small)), smallest, sums);
   }
 
   // Sums and costs of a vector, for the second sweep: side by side in 16 bits, or, where the sums

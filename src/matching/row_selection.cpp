@@ -45,8 +45,8 @@ HWY_ATTR WinnerRow SplitWinners(const Winner* winners, int width, RowBuffers* bu
   for (int x = 0; x < width; ++x) {
     index[x] = winner[x].index;
     sum[x] = winner[x].sum;
-    before[x] = winner[x].before;
-    after[x] = winner[x].after;
+    before[x] = winner[x].beside[0];
+    after[x] = winner[x].beside[1];
   }
   return {index, sum, before, after};
 }

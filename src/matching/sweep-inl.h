@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "src/matching/pixel_sweep-inl.h"
+#include "src/matching/winner_search-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace adaptive_grid_stereo {
@@ -33,41 +34,21 @@ template <int kDirections, int kPadded, Place kPlace, bool kSecondSweep>
 HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                     int begin, int end) {
   using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
-  constexpr int kSums = kSecondSweep ? sumsSize(kPadded ? kPadded : kMaxRange) : 32;
-  constexpr int kKeys = kSecondSweep ? kMaxLanes / 2 : 32;
   constexpr int kBits = keyBits<kDirections, kPadded>();
-  // Of two steps in turn: the winners of one are searched after the work of the next, which by then
-  // waits for nothing.
-  alignas(64) std::uint16_t sums_of_steps[2][kBandRows * kSums];
-  alignas(64) std::uint16_t keys_of_steps[2][kBandRows * kKeys];
-  constexpr bool kSearchesTogether = kSecondSweep && kPlace != Place::kLongRange;
-  if (kSecondSweep) {
-    for (int i = 0; i < 2 * kBandRows; ++i) {
-      ClearGap(sums_of_steps[0] + i * kSums, Pixel::PaddedRange(frame));
-    }
-    for (int r = row_count; r < kBandRows; ++r) {
-      for (auto& keys : keys_of_steps) std::fill_n(keys + r * kKeys, kKeys, kNoSum);
-    }
-  }
-  const auto storeWinners = [&](int step) AGS_LAMBDA {
-    if constexpr (kSearchesTogether) {
-      Pixel::template StoreWinners<kBits>(frame, rows, row_count, step, keys_of_steps[step & 1],
-                                          kKeys, sums_of_steps[step & 1], kSums);
-    }
-  };
+  WinnerSearch<kPadded, kPlace, kBits, kSecondSweep, true> search(frame);
+  const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
   const auto sweepTogether = [&](auto count, int first, int step) AGS_LAMBDA {
     constexpr int kCount = decltype(count)::value;
     V8 smallest[kCount * kDirections];
-    std::uint16_t* sums = sums_of_steps[step & 1];
-    std::uint16_t* keys = keys_of_steps[step & 1];
     Repeat<kCount>([&](auto i) AGS_LAMBDA {
       constexpr int kRow = decltype(i)::value;
       const int r = first + kRow, u = step - kBandLag * r;
       if constexpr (kSecondSweep) {
-        Pixel::template Second<kBits>(frame, rows[r], u, smallest + kRow * kDirections,
-                                      sums + r * kSums, keys + r * kKeys);
+        Pixel::template Second<kBits>(frame, rows[r], u, penalty_small,
+                                      smallest + kRow * kDirections, search.sums(step, r),
+                                      search.keys(step, r));
       } else {
-        Pixel::First(frame, rows[r], u, smallest + kRow * kDirections);
+        Pixel::First(frame, rows[r], u, penalty_small, smallest + kRow * kDirections);
       }
     });
     std::uint64_t bytes = SmallestLanes<kCount * kDirections>(D8(), smallest);
@@ -85,9 +66,9 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
     if (kTogether > 1) {
       for (; r < row_count; ++r) sweepTogether(std::integral_constant<int, 1>(), r, step);
     }
-    if (step > begin) storeWinners(step - 1);
+    search.Advance(frame, rows, begin, step, {0, row_count});
   }
-  storeWinners(end - 1);
+  search.Finish(frame, rows, begin, end - 1, {0, row_count});
 }
 
 template <int kPadded, Place kPlace, bool kSecondSweep>
@@ -141,41 +122,23 @@ HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row
   });
 }
 
-// Rows of a band whose pixels at a step are inside of the image: first .. last - 1.
-struct ActiveRows {
-  int first, last;
-  int count() const { return last - first; }
-};
-
-HWY_INLINE ActiveRows FindActiveRows(const SweepFrame& frame, int row_count, int step) {
-  return {std::max(0, (step - frame.width + kBandLag) / kBandLag),
-          std::min(row_count, (step + kBandLag) / kBandLag)};
-}
-
 // Rows r of a band at pixels step - kBandLag * r, for steps [begin, end), whatever the kinds of
 // these pixels are.
 template <int kPadded, Place kPlace, bool kSecondSweep>
 HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                       int begin, int end) {
-  using Winners = PixelSweep<2, kPadded, kPlace>;
-  constexpr int kSums = kSecondSweep ? sumsSize(kPadded ? kPadded : kMaxRange) : 32;
-  constexpr int kKeys = kSecondSweep ? kMaxLanes / 2 : 32;
-  alignas(64) std::uint16_t sums[kBandRows * kSums];
-  // The search looks at four rows from the first one with a pixel on.
-  alignas(64) std::uint16_t keys[2 * kBandRows * kKeys];
-  if (kSecondSweep) {
-    for (int r = 0; r < kBandRows; ++r) ClearGap(sums + r * kSums, Winners::PaddedRange(frame));
-    std::fill_n(keys, 2 * kBandRows * kKeys, kNoSum);
-  }
-  const auto sweepPixel = [&](auto directions, int r, int u) AGS_LAMBDA {
+  WinnerSearch<kPadded, kPlace, kBlockBits, kSecondSweep, false> search(frame);
+  const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
+  const auto sweepPixel = [&](auto directions, int r, int step) AGS_LAMBDA {
+    const int u = step - kBandLag * r;
     constexpr int kDirections = decltype(directions)::value;
     using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
     V8 smallest[kDirections];
     if constexpr (kSecondSweep) {
-      Pixel::template Second<kBlockBits>(frame, rows[r], u, smallest, sums + r * kSums,
-                                         keys + r * kKeys);
+      Pixel::template Second<kBlockBits>(frame, rows[r], u, penalty_small, smallest,
+                                         search.sums(step, r), search.keys(step, r));
     } else {
-      Pixel::First(frame, rows[r], u, smallest);
+      Pixel::First(frame, rows[r], u, penalty_small, smallest);
     }
     const std::uint64_t bytes = SmallestLanes<kDirections>(D8(), smallest);
     std::memcpy(rows[r].current[u], &bytes, sizeof(bytes));
@@ -184,28 +147,21 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
   for (int step = begin; step < end; ++step) {
     const ActiveRows active = FindActiveRows(frame, row_count, step);
     for (int r = active.first; r < active.last; ++r) {
-      const int u = step - kBandLag * r;
-      switch (rows[r].kinds[u] & ~kClearRest) {
+      switch (rows[r].kinds[step - kBandLag * r] & ~kClearRest) {
         case kTwo:
-          sweepPixel(std::integral_constant<int, 2>(), r, u);
+          sweepPixel(std::integral_constant<int, 2>(), r, step);
           break;
         case kFour:
-          sweepPixel(std::integral_constant<int, 4>(), r, u);
+          sweepPixel(std::integral_constant<int, 4>(), r, step);
           break;
         case kEight:
-          sweepPixel(std::integral_constant<int, 8>(), r, u);
+          sweepPixel(std::integral_constant<int, 8>(), r, step);
           break;
       }
     }
-    if constexpr (kSecondSweep && kPlace != Place::kLongRange) {
-      const int first = active.first;
-      if (active.count() > 0) {
-        Winners::template StoreWinners<kBlockBits>(frame, rows + first, active.count(),
-                                                   step - kBandLag * first, keys + first * kKeys,
-                                                   kKeys, sums + first * kSums, kSums);
-      }
-    }
+    search.Advance(frame, rows, begin, step, active);
   }
+  search.Finish(frame, rows, begin, end - 1, {0, row_count});
 }
 
 template <bool kSecondSweep>

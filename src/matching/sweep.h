@@ -54,10 +54,9 @@ using PathRow = std::uint8_t* const*;
 
 /// The winner of one pixel.
 struct Winner {
-  std::uint16_t index;   // of the disparity, or kNoWinner; | kNotUnique
-  std::uint16_t sum;     // of its path costs
-  std::uint16_t before;  // the sums at index - 1 and index + 1; kNoSum outside of the candidates
-  std::uint16_t after;
+  std::uint16_t index;      // of the disparity, or kNoWinner; | kNotUnique
+  std::uint16_t sum;        // of its path costs
+  std::uint16_t beside[2];  // the sums at index - 1 and index + 1; kNoSum outside of the candidates
 };
 constexpr std::uint16_t kNoWinner = 0xFFFF;
 constexpr std::uint16_t kNotUnique = 0x8000;
@@ -66,7 +65,8 @@ constexpr std::uint16_t kNoSum = 0xFFFF;
 /// Where P2 of a pixel and direction stands in its row: blocks of 64 pixels, direction by
 /// direction, so that it is written by vectors and read at fixed distances.
 constexpr std::size_t penaltyPlace(int u, int direction) {
-  return static_cast<std::size_t>(u & ~63) * kSweepDirections + 64 * direction + (u & 63);
+  const std::size_t pixel = static_cast<std::size_t>(u);
+  return (pixel & ~std::size_t{63}) * kSweepDirections + (pixel & 63) + 64 * direction;
 }
 
 /// Bytes of a census string, whatever the window.

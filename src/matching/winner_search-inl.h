@@ -1,0 +1,134 @@
+// The winners of a band's pixels. Included once per SIMD target.
+#if defined(ADAPTIVE_GRID_STEREO_SRC_MATCHING_WINNER_SEARCH_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef ADAPTIVE_GRID_STEREO_SRC_MATCHING_WINNER_SEARCH_INL_H
+#undef ADAPTIVE_GRID_STEREO_SRC_MATCHING_WINNER_SEARCH_INL_H
+#else
+#define ADAPTIVE_GRID_STEREO_SRC_MATCHING_WINNER_SEARCH_INL_H
+#endif
+
+#include <algorithm>
+
+#include "src/matching/pixel_sweep-inl.h"
+#include "src/matching/repeat-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace adaptive_grid_stereo {
+namespace HWY_NAMESPACE {
+namespace hn = AGS_SIMD;
+
+// Rows of a band whose pixels at a step are inside of the image: first .. last - 1.
+struct ActiveRows {
+  int first, last;
+  int count() const { return last - first; }
+};
+
+HWY_INLINE ActiveRows FindActiveRows(const SweepFrame& frame, int row_count, int step) {
+  return {std::max(0, (step - frame.width + kBandLag) / kBandLag),
+          std::min(row_count, (step + kBandLag) / kBandLag)};
+}
+
+// Keeps sums and keys of a few steps in turn: the smallest keys of one are searched after the work
+// of the next, and the winners after that of the one after, so that neither waits for anything.
+// kBits: of a key below the sum. kAllRows: all rows have pixels at all steps. Does nothing in the
+// first sweep; pixels of long ranges find their winners by themselves.
+//
+// (Parameters that recur are no members: stores of path costs, which are bytes, would make
+// compilers load them anew for every pixel.)
+template <int kPadded, Place kPlace, int kBits, bool kSecondSweep, bool kAllRows>
+class WinnerSearch {
+ public:
+  HWY_INLINE explicit WinnerSearch(const SweepFrame& frame) {
+    if (!kSecondSweep) return;
+    for (auto& slot : sums_) {
+      for (auto& sums : slot) ClearGap(sums, PaddedRange(frame));
+    }
+    for (auto& slot : keys_) std::fill_n(slot[0], kKeyRows * kKeys, kNoSum);
+  }
+
+  // Where the sums and the keys of row r's pixel at a step belong.
+  HWY_INLINE std::uint16_t* sums(int step, int r) { return sums_[slotOf(step)][r]; }
+  HWY_INLINE std::uint16_t* keys(int step, int r) { return keys_[slotOf(step)][r]; }
+
+  // Goes on after the work of a step in which these rows had pixels; `begin` is the first step.
+  HWY_INLINE void Advance(const SweepFrame& frame, const SweepRow* rows, int begin, int step,
+                          const ActiveRows& active) {
+    if constexpr (kOn) {
+      if (!kAllRows) active_[slotOf(step)] = active;
+      if (step > begin + 1) StoreWinners(frame, rows, step - 2, active);
+      if (step > begin) FindSmallestKeys(step - 1);
+    }
+  }
+
+  // Goes on after the last step.
+  HWY_INLINE void Finish(const SweepFrame& frame, const SweepRow* rows, int begin, int last,
+                         const ActiveRows& active) {
+    if constexpr (kOn) {
+      if (last > begin) StoreWinners(frame, rows, last - 1, active);
+      FindSmallestKeys(last);
+      StoreWinners(frame, rows, last, active);
+    }
+  }
+
+ private:
+  static constexpr bool kOn = kSecondSweep && kPlace != Place::kLongRange;
+  static constexpr int kSlots = 4;
+  static constexpr int kSums = sumsSize(kPadded ? kPadded : kMaxRange);
+  static constexpr int kKeys = kMaxLanes / 2;
+  // The search looks at four rows from the first active one on.
+  static constexpr int kKeyRows = kAllRows ? kBandRows : 2 * kBandRows - 1;
+
+  static int slotOf(int step) { return step & (kSlots - 1); }
+
+  static HWY_INLINE int PaddedRange(const SweepFrame& frame) {
+    return kPadded ? kPadded : frame.layout.padded_range;
+  }
+
+  HWY_INLINE void FindSmallestKeys(int step) {
+    static_assert(kBandRows == 4, "four rows are searched together");
+    const D16 d;
+    const int slot = slotOf(step);
+    const auto* keys = keys_[slot] + (kAllRows ? 0 : active_[slot].first);
+    smallest_[slot] = SmallestKeys(hn::Load(d, keys[0]), hn::Load(d, keys[1]), hn::Load(d, keys[2]),
+                                   hn::Load(d, keys[3]));
+  }
+
+  // all: the active rows if kAllRows.
+  HWY_INLINE void StoreWinners(const SweepFrame& frame, const SweepRow* rows, int step,
+                               const ActiveRows& all) {
+    const int slot = slotOf(step);
+    const int first = kAllRows ? 0 : active_[slot].first;
+    const int count = kAllRows ? all.last : active_[slot].count();
+    const std::uint64_t smallest = smallest_[slot];
+    const auto winnerOf = [&](int r) AGS_LAMBDA {
+      return rows[r].winners + (frame.width - 1 - (step - kBandLag * r));
+    };
+    Repeat<kBandRows>([&](auto i) AGS_LAMBDA {
+      constexpr int kRow = decltype(i)::value;
+      if (kRow >= count) return;
+      const int r = first + kRow;
+      const std::uint16_t key = static_cast<std::uint16_t>(smallest >> 16 * kRow);
+      if (kPlace == Place::kBorder && key >= kNoKey<kBits>) {
+        *winnerOf(r) = {kNoWinner, kNoSum, {kNoSum, kNoSum}};
+        return;
+      }
+      const int place = PlaceOfKey<kBits, kPadded>(key, keys_[slot][r]);
+      PutWinner(sums_[slot][r], PaddedRange(frame), place, key >> kBits, winnerOf(r));
+    });
+    if (frame.uniqueness_factor == 0) return;
+    for (int r = first; r < first + count; ++r) {
+      if (winnerOf(r)->index == kNoWinner) continue;
+      MarkAmbiguous(frame, sums_[slot][r], PaddedRange(frame), winnerOf(r));
+    }
+  }
+
+  alignas(64) std::uint16_t sums_[kSlots][kBandRows][kSums];
+  alignas(64) std::uint16_t keys_[kSlots][kKeyRows][kKeys];
+  std::uint64_t smallest_[kSlots];
+  ActiveRows active_[kSlots];
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace adaptive_grid_stereo
+HWY_AFTER_NAMESPACE();
+
+#endif  // ADAPTIVE_GRID_STEREO_SRC_MATCHING_WINNER_SEARCH_INL_H
