@@ -204,32 +204,38 @@ HWY_INLINE bool HasRival(std::uint16_t* sums, int padded_range, int winner,
   return !hn::AllTrue(d, hn::Eq(below, hn::Zero(d)));
 }
 
+// What stands for a winner where there is none.
+constexpr Winner kWithoutWinner = {kNoWinner | std::uint32_t{kNoSum} << 16, 0xFFFFFFFF};
+
 // The winner with its neighbours, by its place among the sums of one parity and its sum; sums that
 // are no candidate's must be kNoSum.
 HWY_INLINE void PutWinner(const std::uint16_t* sums, int padded_range, int place, std::uint16_t sum,
                           Winner* winner) {
   // Of even and odd sums that are equal, the even one wins.
-  const int odd = sums[place] != sum;
+  const std::uint32_t odd = sums[place] != sum;
   // Its neighbours are of the other parity: as likely as not the odd one, hence no branch.
   const int to_odd = static_cast<int>(OddSums(sums, padded_range) - sums) - 1;
-  winner->index = static_cast<std::uint16_t>(2 * place + odd);
-  winner->sum = sum;
-  std::memcpy(winner->beside, sums + place + (to_odd & (odd - 1)), sizeof(winner->beside));
+  winner->found =
+      static_cast<std::uint32_t>(sum) << 16 | (2 * static_cast<std::uint32_t>(place) + odd);
+  // Low half first, as the CPUs that this is built for have it.
+  std::memcpy(&winner->beside, sums + place + (to_odd & (static_cast<int>(odd) - 1)),
+              sizeof(winner->beside));
 }
 
 // Marks a winner that has a rival within the uniqueness ratio. Overwrites the sums around it.
 HWY_INLINE void MarkAmbiguous(const SweepFrame& frame, std::uint16_t* sums, int padded_range,
                               Winner* winner) {
   const std::uint32_t threshold =
-      winner->sum * static_cast<std::uint32_t>(frame.uniqueness_factor) >> 12;
-  if (HasRival(sums, padded_range, winner->index, threshold)) winner->index |= kNotUnique;
+      highHalf(winner->found) * static_cast<std::uint32_t>(frame.uniqueness_factor) >> 12;
+  const int index = static_cast<int>(lowHalf(winner->found));
+  if (HasRival(sums, padded_range, index, threshold)) winner->found |= kNotUnique;
 }
 
 // Winner of a pixel with more disparities than one search can take.
 HWY_INLINE Winner SelectAmongCandidates(const SweepFrame& frame, std::uint16_t* sums,
                                         const Candidates& candidates) {
   const PathLayout& layout = frame.layout;
-  if (candidates.none()) return {kNoWinner, kNoSum, {kNoSum, kNoSum}};
+  if (candidates.none()) return kWithoutWinner;
   const PlacedSum best = SearchCandidates(sums, layout.padded_range, candidates);
   Winner winner;
   PutWinner(sums, layout.padded_range, best.place, static_cast<std::uint16_t>(best.sum), &winner);

@@ -21,11 +21,6 @@ constexpr std::int32_t kIndexMask = (1 << kIndexBits) - 1;
 constexpr std::int32_t kNoClaim = std::numeric_limits<std::int32_t>::max();
 constexpr int kLargestDifference = 511;
 
-// The winners' parts by themselves, so that what follows goes by vectors.
-struct WinnerRow {
-  const std::uint16_t *index, *sum, *before, *after;  // [x]
-};
-
 }  // namespace adaptive_grid_stereo
 #endif  // AGS_ROW_SELECTION_SHARED
 
@@ -33,23 +28,8 @@ HWY_BEFORE_NAMESPACE();
 namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 
-HWY_ATTR WinnerRow SplitWinners(const Winner* winners, int width, RowBuffers* buffers) {
-  for (auto* row : {&buffers->index, &buffers->sum, &buffers->before, &buffers->after}) {
-    row->resize(width);
-  }
-  const Winner* __restrict winner = winners;
-  std::uint16_t* __restrict index = buffers->index.data();
-  std::uint16_t* __restrict sum = buffers->sum.data();
-  std::uint16_t* __restrict before = buffers->before.data();
-  std::uint16_t* __restrict after = buffers->after.data();
-  for (int x = 0; x < width; ++x) {
-    index[x] = winner[x].index;
-    sum[x] = winner[x].sum;
-    before[x] = winner[x].beside[0];
-    after[x] = winner[x].beside[1];
-  }
-  return {index, sum, before, after};
-}
+HWY_INLINE int IndexOf(const Winner& winner) { return static_cast<int>(lowHalf(winner.found)); }
+HWY_INLINE int SumOf(const Winner& winner) { return static_cast<int>(highHalf(winner.found)); }
 
 // Minimum of the parabola through three sums, in fixed point around 0, rounded half up.
 HWY_INLINE int SubpixelOffset(int before, int sum, int after) {
@@ -64,17 +44,16 @@ HWY_INLINE int SubpixelOffset(int before, int sum, int after) {
 }
 
 // Disparities of the unique winners, whether the right image agrees or not.
-HWY_ATTR void InterpolateRow(const WinnerRow& winners, int width, bool subpixel,
+HWY_ATTR void InterpolateRow(const Winner* winners, int width, bool subpixel,
                              std::int16_t* disparity) {
-  const std::uint16_t* __restrict index = winners.index;
-  const std::uint16_t* __restrict sum = winners.sum;
-  const std::uint16_t* __restrict before = winners.before;
-  const std::uint16_t* __restrict after = winners.after;
+  const Winner* __restrict winner = winners;
   std::int16_t* __restrict out = disparity;
   const int wanted = subpixel ? -1 : 0;
   // Masks instead of branches, which compilers would not turn into vectors.
   for (int x = 0; x < width; ++x) {
-    const int b = before[x], s = sum[x], a = after[x], k = index[x];
+    const int k = IndexOf(winner[x]), s = SumOf(winner[x]);
+    const int b = static_cast<int>(lowHalf(winner[x].beside));
+    const int a = static_cast<int>(highHalf(winner[x].beside));
     const int has_offset = wanted & -((b != kNoSum) & (a != kNoSum) & (b + a > 2 * s));
     const int value = k * kDisparityScale + (SubpixelOffset(b, s, a) & has_offset);
     const int invalid = -(k >> 15);  // kNotUnique, which is set in kNoWinner, too
@@ -86,35 +65,35 @@ HWY_ATTR void InterpolateRow(const WinnerRow& winners, int width, bool subpixel,
 // where the right image is asked: at that pixel and at the one to its right, or else to its left,
 // where the winner's neighbour on the side of its sub-pixel disparity would be seen; `questions`
 // has the left one of the two.
-HWY_ATTR void FindClaims(const WinnerRow& winners, const std::uint8_t* shifts,
+HWY_ATTR void FindClaims(const Winner* winners, const std::uint8_t* shifts,
                          const std::int16_t* disparity, int width, int min_disparity,
                          std::int32_t nowhere, RowBuffers* buffers) {
-  const std::uint16_t* __restrict index = winners.index;
-  const std::uint16_t* __restrict sum = winners.sum;
+  const Winner* __restrict winner = winners;
   const std::uint8_t* __restrict shift = shifts;
   const std::int16_t* __restrict value = disparity;
   std::int32_t* __restrict place = buffers->places.data();
   std::int32_t* __restrict claim = buffers->claims.data();
   std::int32_t* __restrict question = buffers->questions.data();
   for (int x = 0; x < width; ++x) {
-    const std::int32_t none = -static_cast<std::int32_t>(index[x] == kNoWinner);
-    const std::int32_t k = index[x] & ~kNotUnique;
-    place[x] = ((x - min_disparity - k) & ~none) | (nowhere & none);
-    claim[x] = sum[x] << shift[x] << kIndexBits | k;
-    question[x] = place[x] - (value[x] > k * kDisparityScale);
+    const std::int32_t index = IndexOf(winner[x]), k = index & ~static_cast<int>(kNotUnique);
+    const std::int32_t none = -static_cast<std::int32_t>(index == static_cast<int>(kNoWinner));
+    const std::int32_t right = ((x - min_disparity - k) & ~none) | (nowhere & none);
+    place[x] = right;
+    claim[x] = SumOf(winner[x]) << shift[x] << kIndexBits | k;
+    question[x] = right - (value[x] > k * kDisparityScale);
   }
 }
 
 // Drops winners that the right image contradicts, in both of the places where it was asked.
-HWY_ATTR void DropInconsistent(const WinnerRow& winners, int width, unsigned most,
+HWY_ATTR void DropInconsistent(const Winner* winners, int width, unsigned most,
                                const RowBuffers& buffers, std::int16_t* disparity) {
-  const std::uint16_t* __restrict index = winners.index;
+  const Winner* __restrict winner = winners;
   const std::int32_t* __restrict place = buffers.places.data();
   const std::int32_t* __restrict question = buffers.questions.data();
   const std::int32_t* __restrict answer = buffers.answers.data();
   std::int16_t* __restrict value = disparity;
   for (int x = 0; x < width; ++x) {
-    const std::int32_t k = index[x] & ~kNotUnique;
+    const std::int32_t k = IndexOf(winner[x]) & ~static_cast<int>(kNotUnique);
     // What the winner itself, or its neighbour, would have as index there.
     const std::int32_t left_k = k + place[x] - question[x], right_k = left_k - 1;
     const unsigned left = static_cast<unsigned>((answer[2 * x] & kIndexMask) - left_k);
@@ -127,7 +106,7 @@ HWY_ATTR void DropInconsistent(const WinnerRow& winners, int width, unsigned mos
 
 // The left-right check. Of several winners that claim one right pixel the smallest sum has it, then
 // the smallest disparity.
-HWY_ATTR void CheckRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
+HWY_ATTR void CheckRow(const Winner* winners, const std::uint8_t* shifts, int width,
                        const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
   // One pixel more on either side lets a neighbouring disparity be looked up without asking; one
   // beyond takes the claims of those that have none.
@@ -151,10 +130,9 @@ HWY_ATTR void CheckRow(const WinnerRow& winners, const std::uint8_t* shifts, int
 
 HWY_ATTR void SelectRow(const Winner* winners, const std::uint8_t* shifts, int width,
                         const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
-  const WinnerRow row = SplitWinners(winners, width, buffers);
-  InterpolateRow(row, width, config.subpixel, disparity);
+  InterpolateRow(winners, width, config.subpixel, disparity);
   if (config.disp12_max_diff < 0) return;
-  CheckRow(row, shifts, width, config, buffers, disparity);
+  CheckRow(winners, shifts, width, config, buffers, disparity);
 }
 
 }  // namespace HWY_NAMESPACE

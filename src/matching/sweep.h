@@ -52,14 +52,17 @@ struct PathLayout {
 /// of the image are zero: paths start anew beside them.
 using PathRow = std::uint8_t* const*;
 
-/// The winner of one pixel.
+/// The winner of one pixel, in halves of 16 bits.
 struct Winner {
-  std::uint16_t index;      // of the disparity, or kNoWinner; | kNotUnique
-  std::uint16_t sum;        // of its path costs
-  std::uint16_t beside[2];  // the sums at index - 1 and index + 1; kNoSum outside of the candidates
+  /// Low: index of the disparity, or kNoWinner; | kNotUnique. High: the sum of its path costs.
+  std::uint32_t found;
+  /// The sums at index - 1 (low) and index + 1 (high); kNoSum outside of the candidates.
+  std::uint32_t beside;
 };
-constexpr std::uint16_t kNoWinner = 0xFFFF;
-constexpr std::uint16_t kNotUnique = 0x8000;
+constexpr std::uint32_t kNoWinner = 0xFFFF;
+constexpr std::uint32_t kNotUnique = 0x8000;
+constexpr std::uint32_t lowHalf(std::uint32_t halves) { return halves & 0xFFFF; }
+constexpr std::uint32_t highHalf(std::uint32_t halves) { return halves >> 16; }
 constexpr std::uint16_t kNoSum = 0xFFFF;
 
 /// Where P2 of a pixel and direction stands in its row: blocks of 64 pixels, direction by

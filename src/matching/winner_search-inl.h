@@ -108,7 +108,7 @@ class WinnerSearch {
       const int r = first + kRow;
       const std::uint16_t key = static_cast<std::uint16_t>(smallest >> 16 * kRow);
       if (kPlace == Place::kBorder && key >= kNoKey<kBits>) {
-        *winnerOf(r) = {kNoWinner, kNoSum, {kNoSum, kNoSum}};
+        *winnerOf(r) = kWithoutWinner;
         return;
       }
       const int place = PlaceOfKey<kBits, kPadded>(key, keys_[slot][r]);
@@ -116,7 +116,7 @@ class WinnerSearch {
     });
     if (frame.uniqueness_factor == 0) return;
     for (int r = first; r < first + count; ++r) {
-      if (winnerOf(r)->index == kNoWinner) continue;
+      if (lowHalf(winnerOf(r)->found) == kNoWinner) continue;
       MarkAmbiguous(frame, sums_[slot][r], PaddedRange(frame), winnerOf(r));
     }
   }
