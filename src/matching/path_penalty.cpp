@@ -13,13 +13,20 @@ namespace hn = AGS_SIMD;
 
 #if HWY_TARGET == HWY_AVX3_DL
 
-// Looks up P2 of a vector of pixels by their grey-level steps, in the whole table at once.
+// Looks up P2 of a vector of pixels by their grey-level steps, in the whole table at once. Where
+// the table, which falls, has come to its last value within a quarter, as by default, that one will
+// do.
 class PenaltyTable {
  public:
-  HWY_ATTR explicit PenaltyTable(const std::uint8_t* table) {
+  HWY_ATTR explicit PenaltyTable(const std::uint8_t* table)
+      : quarter_will_do_(table[63] == table[255]) {
     for (int i = 0; i < 4; ++i) quarters_[i] = hn::LoadU(D8(), table + 64 * i);
   }
   HWY_INLINE V8 At(V8 step) const {
+    if (quarter_will_do_) {
+      const V8 place = hn::Min(step, hn::Set(D8(), std::uint8_t{63}));
+      return V8{_mm512_permutexvar_epi8(place.raw, quarters_[0].raw)};
+    }
     const __m512i low = _mm512_permutex2var_epi8(quarters_[0].raw, step.raw, quarters_[1].raw);
     const __m512i high = _mm512_permutex2var_epi8(quarters_[2].raw, step.raw, quarters_[3].raw);
     return V8{_mm512_mask_mov_epi8(low, _mm512_movepi8_mask(step.raw), high)};
@@ -27,6 +34,7 @@ class PenaltyTable {
 
  private:
   V8 quarters_[4];
+  bool quarter_will_do_;
 };
 
 #else

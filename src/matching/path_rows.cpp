@@ -73,6 +73,7 @@ void PathRows::assign(bool second_sweep, const Strips& strips) {
   if (places.edges == strips.edges()) return;
   places.edges = strips.edges();
   const int sets = std::max(1, sets_);
+  // All pixels outside of the image share one place of zeros, which nobody writes to.
   places.boundary.assign(2 * kBoundaries * row_pixels_, zero_.data());
   places.ring.assign(static_cast<std::size_t>(sets) * kBandRows * row_pixels_, zero_.data());
   for (std::size_t i = kPathMargin; i < row_pixels_ - kPathMargin; ++i) {
