@@ -16,8 +16,8 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
-// Bits of a byte so far, and bit kPlace, of which there come fewer and fewer: whether neighbour <
-// centre.
+// Adds a bit to those of a byte so far: whether neighbour < centre. They come one after the other,
+// down to kPlace 0.
 template <int kPlace, class V>
 HWY_INLINE V PushBit(V bits, V neighbour, V centre) {
   const hn::ScalableTag<std::uint8_t> d;
