@@ -5,8 +5,9 @@
 namespace adaptive_grid_stereo {
 namespace {
 
-/// What is done once per pixel, in units of one path's work. With AVX-512 and 64 disparities about 4
-/// was measured on an Intel Xeon, and more on an AMD EPYC, whose paths are cheaper beside the rest.
+/// What is done once per pixel, in units of one path's work. With AVX-512 and 64 disparities about
+/// 4 was measured on an Intel Xeon, and more on an AMD EPYC, whose paths are cheaper beside the
+/// rest.
 constexpr double kFixedWork = 6.0;
 
 /// Narrower strips spend too much of their time on waiting for each other [px].
