@@ -76,23 +76,24 @@ HWY_INLINE void OrderByPixel(int width, CensusWindow window, const std::uint8_t*
 }
 
 // Where the census strings of a pixel and of its first disparity stand. In the mirrored row,
-// disparity index k is k strings further.
+// disparity index k is k strings further, and the first disparity of pixel 0 at first_column.
 struct CensusPlaces {
   const std::uint8_t* left;
   const std::uint8_t* right;
   std::ptrdiff_t column;  // of the first disparity in the mirrored row
 };
 
-// How far ahead a pixel's strings are fetched.
-constexpr std::ptrdiff_t kPixelsAhead = 24;
+// How far ahead a pixel's strings are fetched [bytes].
+constexpr int kCensusAhead = 24 * kCensusBytes;
 
-HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row, int x) {
-  const std::ptrdiff_t column = frame.width - 1 - x + frame.min_disparity;
+HWY_INLINE CensusPlaces FindCensus(const SweepFrame&, const SweepRow& row, std::ptrdiff_t x,
+                                   std::ptrdiff_t first_column, std::ptrdiff_t ahead) {
+  const std::ptrdiff_t column = first_column - x;
   const std::uint8_t* left = row.left + kCensusBytes * (kCensusMargin + x);
   const std::uint8_t* right = row.right + kCensusBytes * (kCensusMargin + column);
   // Among the many streams of path costs, hardware does not see that these two go on.
-  __builtin_prefetch(left + kCensusBytes * kPixelsAhead);
-  __builtin_prefetch(right - kCensusBytes * kPixelsAhead);
+  __builtin_prefetch(left + ahead);
+  __builtin_prefetch(right - ahead);
   return {left, right, column};
 }
 
@@ -191,7 +192,7 @@ HWY_INLINE V CountBits(const V* x) {
 }
 
 // How far ahead a pixel's bytes are fetched.
-constexpr std::ptrdiff_t kPixelsAhead = 72;
+constexpr int kCensusAhead = 72;
 
 // Where the census bytes of a pixel and of its first disparity stand. In the mirrored row,
 // disparity index k is k bytes further.
@@ -202,16 +203,17 @@ struct CensusPlaces {
   std::ptrdiff_t column;  // of the first disparity in the mirrored row
 };
 
-HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row, int x) {
-  const std::ptrdiff_t column = frame.width - 1 - x + frame.min_disparity;
+HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row, std::ptrdiff_t x,
+                                   std::ptrdiff_t first_column, std::ptrdiff_t ahead) {
+  const std::ptrdiff_t column = first_column - x;
   const std::size_t stride = censusStride(frame.width);
   const std::uint8_t* left = row.left + kCensusMargin + x;
   const std::uint8_t* right = row.right + kCensusMargin + column;
   // Among the many streams of path costs, hardware does not see that these go on. One plane per
   // pixel in turn.
   const std::size_t plane = (x & (kCensusBytes - 1)) * stride;
-  __builtin_prefetch(left + plane + kPixelsAhead);
-  __builtin_prefetch(right + plane - kPixelsAhead);
+  __builtin_prefetch(left + plane + ahead);
+  __builtin_prefetch(right + plane - ahead);
   return {left, right, stride, column};
 }
 

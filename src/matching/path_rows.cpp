@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "src/matching/strips.h"
+
 namespace adaptive_grid_stereo {
 namespace {
 
@@ -40,15 +42,15 @@ int ownerOf(const std::vector<int>& edges, int u) {
 
 }  // namespace
 
-void PathRows::prepare(int width, const PathLayout& layout, int threads) {
+void PathRows::prepare(int width, const PathLayout& layout, int strips) {
   const bool moved = layout.range != layout_.range || layout.padded_range != layout_.padded_range;
-  bool changed = moved || width != width_ || threads != threads_;
+  bool changed = moved || width != width_ || strips != strips_;
   width_ = width;
-  threads_ = threads;
+  strips_ = strips;
   layout_ = layout;
   row_pixels_ = static_cast<std::size_t>(width) + 2 * kPathMargin;
   // The first and the last strip are up to so many bands apart.
-  sets_ = threads == 1 ? 0 : 2 * threads + 2;
+  sets_ = strips == 1 ? 0 : 2 * strips + 2;
   const auto reserve = [&](std::size_t pixels, AlignedBuffer<std::uint8_t>* buffer) {
     // Neighbours of the last disparity are read one byte further.
     const std::size_t bytes = pixels * layout.pixel_stride + kMaxLanes;
@@ -57,7 +59,7 @@ void PathRows::prepare(int width, const PathLayout& layout, int threads) {
     changed = changed || grew;
   };
   reserve(2 * kBoundaries * row_pixels_, &boundary_);
-  reserve(static_cast<std::size_t>(sets_ + threads) * kBandRows * kRingPixels, &rings_);
+  reserve(static_cast<std::size_t>(sets_ + strips) * kBandRows * kRingPixels, &rings_);
   reserve(1, &zero_);
   if (!changed) return;
   for (int r = 0; r < kSweepDirections; ++r) {
@@ -65,53 +67,57 @@ void PathRows::prepare(int width, const PathLayout& layout, int threads) {
     std::memset(zero_.data() + kPixelHeader + r * layout.padded_range, 0, layout.range);
   }
   zero_row_.assign(row_pixels_, zero_.data());
-  for (Places& places : places_) places.edges.clear();
+  edges_.clear();
 }
 
-void PathRows::assign(bool second_sweep, const Strips& strips) {
-  Places& places = places_[second_sweep];
-  if (places.edges == strips.edges()) return;
-  places.edges = strips.edges();
+void PathRows::assign(const Bands& bands, const std::vector<int>& edges) {
+  bands_ = bands;
+  if (edges_ == edges) return;
+  edges_ = edges;
   const int sets = std::max(1, sets_);
   // All pixels outside of the image share one place of zeros, which nobody writes to.
-  places.boundary.assign(2 * kBoundaries * row_pixels_, zero_.data());
-  places.ring.assign(static_cast<std::size_t>(sets) * kBandRows * row_pixels_, zero_.data());
+  boundary_places_.assign(2 * kBoundaries * row_pixels_, zero_.data());
+  ring_places_.assign(static_cast<std::size_t>(sets) * kBandRows * row_pixels_, zero_.data());
   for (std::size_t i = kPathMargin; i < row_pixels_ - kPathMargin; ++i) {
-    const int owner = ownerOf(places.edges, static_cast<int>(i) - kPathMargin);
+    const int owner = ownerOf(edges_, static_cast<int>(i) - kPathMargin);
     const bool owned = owner != kShared;
     for (std::size_t row = 0; row < 2 * kBoundaries; ++row) {
       const std::size_t place = (owned ? row % 2 : row) * row_pixels_ + i;
-      places.boundary[row * row_pixels_ + i] = boundary_.data() + place * layout_.pixel_stride;
+      boundary_places_[row * row_pixels_ + i] = boundary_.data() + place * layout_.pixel_stride;
     }
     for (int set = 0; set < sets; ++set) {
       for (int row = 0; row < kBandRows; ++row) {
         const std::size_t ring =
             static_cast<std::size_t>(owned ? sets_ + owner : set) * kBandRows + row;
-        places.ring[(static_cast<std::size_t>(set) * kBandRows + row) * row_pixels_ + i] =
+        ring_places_[(static_cast<std::size_t>(set) * kBandRows + row) * row_pixels_ + i] =
             rings_.data() + (ring * kRingPixels + i % kRingPixels) * layout_.pixel_stride;
       }
     }
   }
 }
 
-PathRow PathRows::rowOf(const Places& places, int band, int row, int row_count) const {
-  const auto boundary = [&](int of_band, int from_last) -> PathRow {
-    if (of_band < 0) return zero_row_.data() + kPathMargin;
-    const std::size_t slot = of_band % kBoundaries;
-    return places.boundary.data() + (2 * slot + from_last) * row_pixels_ + kPathMargin;
-  };
-  if (row < 0) return boundary(band - 1, -1 - row);
-  const int from_last = row_count - 1 - row;
-  if (row_count == kBandRows && from_last < 2) return boundary(band, from_last);
-  const std::size_t set = sets_ > 0 ? band % sets_ : 0;
-  return places.ring.data() + (set * kBandRows + row) * row_pixels_ + kPathMargin;
+PathRow PathRows::boundaryRow(int band, int from_last) const {
+  if (band < 0 || from_last >= bands_.rows(band)) return zero_row_.data() + kPathMargin;
+  const std::size_t slot = band % kBoundaries;
+  return boundary_places_.data() + (2 * slot + from_last) * row_pixels_ + kPathMargin;
 }
 
-void PathRows::find(bool second_sweep, int band, int row, int row_count, SweepRow* out) const {
-  const Places& places = places_[second_sweep];
-  out->current = rowOf(places, band, row, row_count);
-  out->above = rowOf(places, band, row - 1, row_count);
-  out->above2 = rowOf(places, band, row - 2, row_count);
+PathRow PathRows::rowOf(int band, int row) const {
+  if (row < 0) return boundaryRow(band - 1, -1 - row);
+  const int row_count = bands_.rows(band), from_last = row_count - 1 - row;
+  // A band with fewer rows would write over what it still reads of the band before. If it is the
+  // last one, nobody needs its rows.
+  if ((row_count == kBandRows || band == 0) && from_last < 2) {
+    return boundaryRow(band, from_last);
+  }
+  const std::size_t set = sets_ > 0 ? band % sets_ : 0;
+  return ring_places_.data() + (set * kBandRows + row) * row_pixels_ + kPathMargin;
+}
+
+void PathRows::find(int band, int row, SweepRow* out) const {
+  out->current = rowOf(band, row);
+  out->above = rowOf(band, row - 1);
+  out->above2 = rowOf(band, row - 2);
 }
 
 }  // namespace adaptive_grid_stereo

@@ -41,8 +41,8 @@ PathPlan turned(const PathPlan& plan) {
   return result;
 }
 
-void PixelKinds::assign(const PathPlan& original, bool second_sweep) {
-  const PathPlan plan = second_sweep ? turned(original) : original;
+void PixelKinds::assign(const PathPlan& original, bool upward) {
+  const PathPlan plan = upward ? turned(original) : original;
   const int width = plan.column_edges[3], height = plan.row_edges[3];
   stride_ = static_cast<std::size_t>(width) + 2 * kPathMargin;
   tables_.clear();

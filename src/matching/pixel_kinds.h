@@ -9,15 +9,15 @@
 
 namespace adaptive_grid_stereo {
 
-/// The plan turned by 180 degrees, as the second sweep sees it.
+/// The plan turned by 180 degrees, as the upward sweep sees it.
 PathPlan turned(const PathPlan& plan);
 
 /// The PixelKind of every pixel of a sweep, from the path plan. Rows that are alike share one
 /// table.
 class PixelKinds {
  public:
-  /// For the second sweep the plan is turned by 180 degrees.
-  void assign(const PathPlan& plan, bool second_sweep);
+  /// For the upward sweep the plan is turned by 180 degrees.
+  void assign(const PathPlan& plan, bool upward);
 
   /// Kinds of row v at [u], -kPathMargin .. width + kPathMargin - 1.
   const std::uint8_t* row(int v) const {

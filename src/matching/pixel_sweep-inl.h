@@ -20,7 +20,7 @@ namespace adaptive_grid_stereo {
 // Largest range, rounded up to the widest vectors.
 constexpr int kMaxRange = 512;
 
-// Bits of the volume's 16 that hold the matching cost; the sum of the first sweep's transitions has
+// Bits of the volume's 16 that hold the matching cost; the sum of the first pass's transitions has
 // the rest.
 constexpr int kCostBits = 6;
 constexpr std::uint16_t kCostMask = 63;
@@ -37,6 +37,23 @@ namespace hn = AGS_SIMD;
 // kBorder, with more disparities than one search for the winner can take.
 enum class Place { kInner, kBorder, kLongRange };
 
+// Which way a sweep goes through the image. (A copy, since stores of path costs, which are bytes,
+// would make compilers load the frame's members anew for every pixel.)
+struct Course {
+  HWY_INLINE explicit Course(const SweepFrame& frame)
+      : flip(frame.flip),
+        origin(frame.origin),
+        first_column(frame.width - 1 + frame.min_disparity),
+        census_ahead(frame.along(kCensusAhead)),
+        volume_ahead(frame.along(kVolumeAhead) * frame.layout.padded_range) {}
+  HWY_INLINE std::ptrdiff_t column(std::ptrdiff_t u) const { return (u ^ flip) + origin; }
+
+  // How far ahead hardware is helped to fetch the volume, above all where a sweep goes down through
+  // memory [px].
+  static constexpr int kVolumeAhead = 4;
+  std::ptrdiff_t flip, origin, first_column, census_ahead, volume_ahead;
+};
+
 // A pixel's work, specialised: kDirections 2, 4 or 8; kPadded the padded range if known at compile
 // time, else 0.
 template <int kDirections, int kPadded, Place kPlace>
@@ -46,12 +63,14 @@ struct PixelSweep {
   }
   // Costs, first half of the paths, volume. penalty_small: P1 in all lanes. `smallest` receives the
   // smallest path costs of the directions, one in the lanes of each.
-  static HWY_INLINE void First(const SweepFrame& frame, const SweepRow& row, int u,
-                               V8 penalty_small, V8* smallest) {
+  static HWY_INLINE void First(const SweepFrame& frame, const Course& course, const SweepRow& row,
+                               int u, V8 penalty_small, V8* smallest) {
     const D8 d;
     std::uint8_t* pixel = row.current[u];
-    std::uint16_t* volume = row.volume + static_cast<std::size_t>(u) * PaddedRange(frame);
-    const CensusPlaces census = FindCensus(frame, row, u);
+    const std::ptrdiff_t x = course.column(u);
+    std::uint16_t* volume = row.volume + x * PaddedRange(frame);
+    const CensusPlaces census =
+        FindCensus(frame, row, x, course.first_column, course.census_ahead);
     ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));
@@ -74,17 +93,17 @@ struct PixelSweep {
   // Second half of the paths, sums; tells the smallest key of each lane for the winner's search,
   // or, if kLongRange, the winner itself. kBits: of a key below the sum.
   template <int kBits>
-  static HWY_INLINE void Second(const SweepFrame& frame, const SweepRow& row, int u,
-                                V8 penalty_small, V8* smallest, std::uint16_t* sums,
+  static HWY_INLINE void Second(const SweepFrame& frame, const Course& course, const SweepRow& row,
+                                int u, V8 penalty_small, V8* smallest, std::uint16_t* sums,
                                 std::uint16_t* keys) {
     const D8 d;
     const D16 d16;
-    const int x = frame.width - 1 - u;
+    const std::ptrdiff_t x = course.column(u);
     std::uint8_t* pixel = row.current[u];
-    const std::uint16_t* volume = row.volume + static_cast<std::size_t>(x) * PaddedRange(frame);
-    Prefetch(frame, volume);
+    const std::uint16_t* volume = row.volume + x * PaddedRange(frame);
+    Prefetch(frame, volume + course.volume_ahead);
     std::uint16_t* odd_sums = OddSums(sums, PaddedRange(frame));
-    const Candidates candidates = FindCandidates(frame, x);
+    const Candidates candidates = FindCandidates(frame, static_cast<int>(x));
     V16 best = hn::Set(d16, kNoSum);
     ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
@@ -96,7 +115,7 @@ struct PixelSweep {
                                                        penalty_small, smallest, part);
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
-        AddFirstSweep(volume + at, &part[i]);
+        AddFirstPass(volume + at, &part[i]);
         if (kPlace == Place::kInner) DropSumsBeyond(frame.layout.range, at, &part[i]);
         if (kPlace == Place::kBorder) KeepCandidates(candidates, at, &part[i]);
         hn::Store(part[i].even, d16, sums + at / 2);
@@ -143,7 +162,7 @@ struct PixelSweep {
     for (; k < padded; k += lanes) f(One(), k);
   }
 
-  // Sums and costs of a vector, for the second sweep: side by side in 16 bits, or, where the sums
+  // Sums and costs of a vector, for the second pass: side by side in 16 bits, or, where the sums
   // fit bytes, one after the other.
   static HWY_INLINE void Pack(const SweepFrame& frame, V8 cost, const ByteSums& sums,
                               std::uint16_t* volume) {
@@ -168,11 +187,9 @@ struct PixelSweep {
     }
   }
 
-  // The second sweep goes down through memory, where hardware needs help to fetch ahead.
   static HWY_INLINE void Prefetch(const SweepFrame& frame, const std::uint16_t* volume) {
-    constexpr int kPixelsAhead = 4, kLine = 64 / sizeof(std::uint16_t);
-    const std::uint16_t* ahead = volume - kPixelsAhead * PaddedRange(frame);
-    for (int k = 0; k < PaddedRange(frame); k += kLine) __builtin_prefetch(ahead + k);
+    constexpr int kLine = 64 / sizeof(std::uint16_t);
+    for (int k = 0; k < PaddedRange(frame); k += kLine) __builtin_prefetch(volume + k);
   }
 
   static HWY_INLINE V8 UnpackCost(const SweepFrame& frame, const std::uint16_t* volume, int k) {
@@ -195,8 +212,8 @@ struct PixelSweep {
                           hn::Set(d, std::uint8_t{255}));
   }
 
-  // Adds what the first sweep left, and the matching cost once for every path of both sweeps.
-  static HWY_INLINE void AddFirstSweep(const std::uint16_t* volume, ByteSums* sums) {
+  // Adds what the first pass left, and the matching cost once for every path of both.
+  static HWY_INLINE void AddFirstPass(const std::uint16_t* volume, ByteSums* sums) {
     const D16 d;
     constexpr int kLogPaths = kDirections == 2 ? 2 : kDirections == 4 ? 3 : 4;
     if constexpr (kDirections == 2) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "src/matching/pixel_kinds.h"
+
 namespace adaptive_grid_stereo {
 namespace {
 
@@ -26,11 +28,8 @@ double workOf(const PathPlan& plan, int column) {
 
 }  // namespace
 
-void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* stop) {
-  stop_ = stop;
-  bands_ = (plan.row_edges[3] + kBandRows - 1) / kBandRows;
+std::vector<int> Strips::divide(const PathPlan& plan, int count) {
   const int width = plan.column_edges[3];
-  const int count = std::clamp(width / kNarrowest, 1, threads);
   work_before_.assign(width + 1, 0.0);
   for (int column = 0; column < 3; ++column) {
     const double work = workOf(plan, column);
@@ -40,28 +39,57 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
   }
   // A band's rows lag behind each other, so the edges lie half a band's lag farther.
   constexpr int kLag = kBandLag * (kBandRows - 1);
-  edges_.assign(1, 0);
+  std::vector<int> edges(1, 0);
   for (int strip = 1; strip < count; ++strip) {
     const double share = work_before_[width] * strip / count;
     const auto place = std::lower_bound(work_before_.begin(), work_before_.end(), share);
     const int step = static_cast<int>(place - work_before_.begin()) + kLag / 2;
-    edges_.push_back(
-        std::clamp(step, edges_.back() + kNarrowest / 2, width - (count - strip) * kNarrowest / 2));
+    edges.push_back(
+        std::clamp(step, edges.back() + kNarrowest / 2, width - (count - strip) * kNarrowest / 2));
   }
-  edges_.push_back(width + kLag);
-  if (static_cast<int>(strips_.size()) != count) strips_ = std::vector<Strip>(count);
+  edges.push_back(width + kLag);
+  return edges;
+}
+
+void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* stop) {
+  stop_ = stop;
+  bands_ = (plan.row_edges[3] + kBandRows - 1) / kBandRows;
+  const int per_sweep = std::clamp(plan.column_edges[3] / kNarrowest, 1, perSweep(threads));
+  edges_[kDown] = divide(plan, per_sweep);
+  edges_[kUp] = divide(turned(plan), per_sweep);
+  const std::size_t count = static_cast<std::size_t>(kSweeps) * per_sweep;
+  if (strips_.size() != count) strips_ = std::vector<Strip>(count);
   for (Strip& strip : strips_) {
     strip.stage = 0;
     strip.awaited = kNever;
   }
+  if (static_cast<int>(claims_.size()) != bands_) claims_ = std::vector<std::atomic<int>>(bands_);
+  for (std::atomic<int>& claim : claims_) claim = kNobody;
+}
+
+Strips::Part Strips::partOf(int strip, int band) const {
+  const int sweep = sweepOf(strip), place = strip % perSweep();
+  const bool second_pass = claimOf(sweep, band) != sweep;
+  return {strip, sweep, band, edges_[sweep][place], edges_[sweep][place + 1], second_pass};
+}
+
+bool Strips::claim(int strip, int band) const {
+  int holder = kNobody;
+  const int sweep = sweepOf(strip);
+  return claimOf(sweep, band).compare_exchange_strong(holder, sweep) || holder == sweep;
 }
 
 Strips::Need Strips::needOf(int strip) const {
-  const int stage = strips_[strip].stage, band_begin = stage / kStages * kStages;
+  const int stage = strips_[strip].stage, band = stage / kStages, band_begin = band * kStages;
   const bool begins = stage == band_begin, ends = stage == band_begin + kStages - 1;
+  const int sweep = sweepOf(strip), place = strip % perSweep();
   // The left neighbour must have finished this band, the right one must have begun the one above.
-  if (begins && strip > 0) return {strip - 1, band_begin + kStages};
-  if (ends && strip + 1 < count()) return {strip + 1, band_begin - kStages + 1};
+  if (begins && place > 0) return {strip - 1, band_begin + kStages};
+  if (ends && place + 1 < perSweep()) return {strip + 1, band_begin - kStages + 1};
+  // What the other sweep has begun with it must have finished, the last of its strips last.
+  if (begins && band < bands_ && claimOf(sweep, band) == 1 - sweep) {
+    return {(2 - sweep) * perSweep() - 1, (bands_ - band) * kStages};
+  }
   return {strip, stage};
 }
 

@@ -13,13 +13,20 @@
 
 namespace adaptive_grid_stereo {
 
-/// How the threads share a sweep: each has a strip of columns in all bands, so that nearly all path
-/// costs it reads are those it has written, which lie in its own caches. Only those on either side
-/// of a border between strips go from one thread to another.
+/// How the threads share the sweeps.
 ///
-/// A band of a strip can begin once its left neighbour has finished its strip there, and can be
-/// finished once its right neighbour has begun the band above: its paths reach so far and no
-/// farther. Of the strips that are not finished one can always go on.
+/// Half of them do the downward sweep, the others the upward one, at the same time. These have
+/// nothing to do with each other until they meet, wherever that is: a band's first pass is that of
+/// the sweep that comes there first. (One thread does the whole downward sweep before the other.)
+///
+/// The threads of one sweep have a strip of columns each, in all bands, so that nearly all path
+/// costs that one reads are those it has written, which lie in its own caches. Only those on either
+/// side of a border between strips go from one thread to another.
+///
+/// A band of a strip can begin once its left neighbour has finished its strip there (the first strip
+/// if the other sweep has not begun with the band, or has finished it), and can be finished once its
+/// right neighbour has begun the band above: its paths reach so far and no farther. Of the strips
+/// that are not finished one can always go on.
 ///
 /// Whoever has to wait for a strip that nobody works on takes it over, so a thread that gets no
 /// core is not waited for; only one that loses its core in the midst of a stage is.
@@ -31,23 +38,34 @@ class Strips {
   /// ahead.
   static constexpr int kReach = kBandLag * (kBandRows - 1) + kPathMargin;
 
-  /// At most `threads` strips of about the same work: that of a column grows with its paths. `plan`
-  /// is as the sweep sees it. Starts the progress anew. Once `stop` is true, all strips end with
-  /// the band that they are in.
+  /// A band of one of the strips.
+  struct Part {
+    int strip;         // of both sweeps': first those of the downward one
+    int sweep;         // kDown or kUp
+    int band;          // along the sweep
+    int begin, end;    // the strip's steps
+    bool second_pass;  // whether the other sweep has been there
+  };
+
+  /// As many strips per sweep as `threads` make, and about the same work in all: that of a column
+  /// grows with its paths. Starts the progress anew. Once `stop` is true, all strips end with the
+  /// band that they are in.
   void assign(const PathPlan& plan, int threads, const std::atomic<bool>* stop);
 
-  int count() const { return static_cast<int>(edges_.size()) - 1; }
-  /// First step of a strip; that of count() is the end of the last one.
-  int edge(int strip) const { return edges_[strip]; }
-  const std::vector<int>& edges() const { return edges_; }
+  /// Strips of each sweep for so many threads, if the image is wide enough.
+  static int perSweep(int threads) { return (threads + 1) / 2; }
+
+  /// First steps of a sweep's strips, and the end of the last one.
+  const std::vector<int>& edges(int sweep) const { return edges_[sweep]; }
+  /// Strips of all sweeps.
+  int count() const { return static_cast<int>(strips_.size()); }
 
   /// Works on strips until all are finished, or are in the hands of others: on `own` as long as it
-  /// can go on. prepare(strip, band) must need nothing of other strips; work(strip, band, first
-  /// step, end step) does one part of the band's steps after the other. No two threads work on a
-  /// strip at the same time. Called by any number of threads.
+  /// can go on. prepare(part) must need nothing of other strips; work(part, first step, end step)
+  /// does one piece of the part's steps after the other. No two threads work on a strip at the same
+  /// time. Called by any number of threads.
   template <class Prepare, class Work>
   void run(int own, const Prepare& prepare, const Work& work) {
-    if (count() == 1) return runAlone(prepare, work);
     for (int strip; (strip = take(own)) >= 0;) {
       do {
         runStage(strip, prepare, work);
@@ -74,6 +92,7 @@ class Strips {
   };
 
   static constexpr int kNever = std::numeric_limits<int>::max();
+  static constexpr int kNobody = -1;
 
   // A stage that a strip must have got to before another one can go on; kNever: until it is left.
   struct Need {
@@ -81,34 +100,47 @@ class Strips {
   };
 
   template <class Prepare, class Work>
-  void runAlone(const Prepare& prepare, const Work& work) {
-    for (int band = 0; band < bands_ && !*stop_; ++band) {
-      prepare(0, band);
-      work(0, band, edge(0), edge(1));
-    }
-  }
-
-  template <class Prepare, class Work>
   void runStage(int strip, const Prepare& prepare, const Work& work) {
-    const int begin = edge(strip), end = edge(strip + 1);
     const int stage = strips_[strip].stage, band = stage / kStages;
     strips_[strip].cpu = currentCpu();
+    if (stage % kStages == 0) {
+      if (*stop_) return reach(strip, kStages * bands_);
+      // The other sweep may have begun with the band just now.
+      if (!claim(strip, band) && !canGoOn(strip)) return;
+    }
+    const Part part = partOf(strip, band);
+    const int begin = part.begin, end = part.end;
     switch (stage % kStages) {
       case 0:
-        if (*stop_) return reach(strip, kStages * bands_);
-        prepare(strip, band);
-        work(strip, band, begin, begin + kReach);
+        prepare(part);
+        if (perSweep() == 1) {
+          work(part, begin, end);
+          return reach(strip, stage + kStages);
+        }
+        work(part, begin, begin + kReach);
         break;
       case 1:
-        work(strip, band, begin + kReach, end - kReach);
+        work(part, begin + kReach, end - kReach);
         break;
       case 2:
-        work(strip, band, end - kReach, end);
+        work(part, end - kReach, end);
         break;
     }
     reach(strip, stage + 1);
   }
 
+  // Strips of each sweep.
+  int perSweep() const { return static_cast<int>(edges_[0].size()) - 1; }
+  int sweepOf(int strip) const { return strip / perSweep(); }
+  // The edges of so many strips of about the same work.
+  std::vector<int> divide(const PathPlan& plan, int count);
+  Part partOf(int strip, int band) const;
+  // The sweep that has a band's first pass, or kNobody; of the same rows whatever the sweep.
+  std::atomic<int>& claimOf(int sweep, int band) const {
+    return claims_[sweep == kDown ? band : bands_ - 1 - band];
+  }
+  // Claims a band's first pass for a strip's sweep; whether it has it.
+  bool claim(int strip, int band) const;
   Need needOf(int strip) const;
   bool isMet(const Need& need) const { return strips_[need.strip].stage >= need.stage; }
   bool isFinished(int strip) const { return strips_[strip].stage >= kStages * bands_; }
@@ -125,8 +157,9 @@ class Strips {
   Need findHolder(int strip) const;
   void sleepFor(const Need& need);
 
-  std::vector<int> edges_;
+  std::vector<int> edges_[kSweeps];
   std::vector<Strip> strips_;
+  mutable std::vector<std::atomic<int>> claims_;
   std::vector<double> work_before_;  // each column
   const std::atomic<bool>* stop_ = nullptr;
   int bands_ = 0;

@@ -30,12 +30,13 @@ constexpr int rowsTogether() {
 }
 
 // Rows r of a band at pixels step - kBandLag * r, for steps [begin, end).
-template <int kDirections, int kPadded, Place kPlace, bool kSecondSweep>
+template <int kDirections, int kPadded, Place kPlace, bool kSecondPass>
 HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                     int begin, int end) {
   using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
   constexpr int kBits = keyBits<kDirections, kPadded>();
-  WinnerSearch<kPadded, kPlace, kBits, kSecondSweep, true> search(frame);
+  const Course course(frame);
+  WinnerSearch<kPadded, kPlace, kBits, kSecondPass, true> search(frame);
   const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
   const auto sweepTogether = [&](auto count, int first, int step) AGS_LAMBDA {
     constexpr int kCount = decltype(count)::value;
@@ -43,12 +44,12 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
     Repeat<kCount>([&](auto i) AGS_LAMBDA {
       constexpr int kRow = decltype(i)::value;
       const int r = first + kRow, u = step - kBandLag * r;
-      if constexpr (kSecondSweep) {
-        Pixel::template Second<kBits>(frame, rows[r], u, penalty_small,
+      if constexpr (kSecondPass) {
+        Pixel::template Second<kBits>(frame, course, rows[r], u, penalty_small,
                                       smallest + kRow * kDirections, search.sums(step, r),
                                       search.keys(step, r));
       } else {
-        Pixel::First(frame, rows[r], u, penalty_small, smallest + kRow * kDirections);
+        Pixel::First(frame, course, rows[r], u, penalty_small, smallest + kRow * kDirections);
       }
     });
     std::uint64_t bytes = SmallestLanes<kCount * kDirections>(D8(), smallest);
@@ -66,21 +67,21 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
     if (kTogether > 1) {
       for (; r < row_count; ++r) sweepTogether(std::integral_constant<int, 1>(), r, step);
     }
-    search.Advance(frame, rows, begin, step, {0, row_count});
+    search.Advance(frame, course, rows, begin, step, {0, row_count});
   }
-  search.Finish(frame, rows, begin, end - 1, {0, row_count});
+  search.Finish(frame, course, rows, begin, end - 1, {0, row_count});
 }
 
-template <int kPadded, Place kPlace, bool kSecondSweep>
+template <int kPadded, Place kPlace, bool kSecondPass>
 HWY_INLINE void SweepKind(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
                           int begin, int end) {
   switch (kind) {
     case kTwo:
-      return SweepRun<2, kPadded, kPlace, kSecondSweep>(frame, rows, row_count, begin, end);
+      return SweepRun<2, kPadded, kPlace, kSecondPass>(frame, rows, row_count, begin, end);
     case kFour:
-      return SweepRun<4, kPadded, kPlace, kSecondSweep>(frame, rows, row_count, begin, end);
+      return SweepRun<4, kPadded, kPlace, kSecondPass>(frame, rows, row_count, begin, end);
     case kEight:
-      return SweepRun<8, kPadded, kPlace, kSecondSweep>(frame, rows, row_count, begin, end);
+      return SweepRun<8, kPadded, kPlace, kSecondPass>(frame, rows, row_count, begin, end);
   }
 }
 
@@ -112,33 +113,34 @@ HWY_INLINE void Specialise(const PathLayout& layout, bool inner, const F& f) {
 }
 
 // A run of pixels of one kind.
-template <bool kSecondSweep>
+template <bool kSecondPass>
 HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
                           bool inner, int begin, int end) {
   Specialise(frame.layout, inner, [&](auto padded, auto place) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
     constexpr Place kPlace = decltype(place)::value;
-    SweepKind<kPadded, kPlace, kSecondSweep>(frame, rows, row_count, kind, begin, end);
+    SweepKind<kPadded, kPlace, kSecondPass>(frame, rows, row_count, kind, begin, end);
   });
 }
 
 // Rows r of a band at pixels step - kBandLag * r, for steps [begin, end), whatever the kinds of
 // these pixels are.
-template <int kPadded, Place kPlace, bool kSecondSweep>
+template <int kPadded, Place kPlace, bool kSecondPass>
 HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                       int begin, int end) {
-  WinnerSearch<kPadded, kPlace, kBlockBits, kSecondSweep, false> search(frame);
+  const Course course(frame);
+  WinnerSearch<kPadded, kPlace, kBlockBits, kSecondPass, false> search(frame);
   const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
   const auto sweepPixel = [&](auto directions, int r, int step) AGS_LAMBDA {
     const int u = step - kBandLag * r;
     constexpr int kDirections = decltype(directions)::value;
     using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
     V8 smallest[kDirections];
-    if constexpr (kSecondSweep) {
-      Pixel::template Second<kBlockBits>(frame, rows[r], u, penalty_small, smallest,
+    if constexpr (kSecondPass) {
+      Pixel::template Second<kBlockBits>(frame, course, rows[r], u, penalty_small, smallest,
                                          search.sums(step, r), search.keys(step, r));
     } else {
-      Pixel::First(frame, rows[r], u, penalty_small, smallest);
+      Pixel::First(frame, course, rows[r], u, penalty_small, smallest);
     }
     const std::uint64_t bytes = SmallestLanes<kDirections>(D8(), smallest);
     std::memcpy(rows[r].current[u], &bytes, sizeof(bytes));
@@ -159,18 +161,18 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
           break;
       }
     }
-    search.Advance(frame, rows, begin, step, active);
+    search.Advance(frame, course, rows, begin, step, active);
   }
-  search.Finish(frame, rows, begin, end - 1, {0, row_count});
+  search.Finish(frame, course, rows, begin, end - 1, {0, row_count});
 }
 
-template <bool kSecondSweep>
+template <bool kSecondPass>
 HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                bool inner, int begin, int end) {
   Specialise(frame.layout, inner, [&](auto padded, auto place) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
     constexpr Place kPlace = decltype(place)::value;
-    SweepMixed<kPadded, kPlace, kSecondSweep>(frame, rows, row_count, begin, end);
+    SweepMixed<kPadded, kPlace, kSecondPass>(frame, rows, row_count, begin, end);
   });
 }
 
@@ -180,13 +182,13 @@ struct InnerColumns {
   bool holds(int u) const { return u >= begin && u < end; }
 };
 
-HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame, bool second_sweep) {
+HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame) {
   const PathLayout& layout = frame.layout;
   if (IsLongRange(layout)) return {0, 0};
   const int begin = std::max(0, frame.min_disparity + layout.range - 1);
   const int end = std::min(frame.width, frame.width + frame.min_disparity);
-  if (second_sweep) return {frame.width - end, frame.width - begin};
-  return {begin, end};
+  if (frame.flip == 0) return {begin, end};
+  return {frame.width - end, frame.width - begin};
 }
 
 // A run of steps: how many, which rows have pixels there, whether these are all of one kind, which
@@ -237,19 +239,19 @@ HWY_INLINE StepRun FindRun(const SweepFrame& frame, const SweepRow* rows, int ro
   return run;
 }
 
-template <bool kSecondSweep>
+template <bool kSecondPass>
 HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
                         int last) {
-  const InnerColumns inner = FindInnerColumns(frame, kSecondSweep);
+  const InnerColumns inner = FindInnerColumns(frame);
   for (int step = first; step < last;) {
     const StepRun run = FindRun(frame, rows, row_count, step, last, inner);
     const int end = step + run.steps;
     if (run.uniform) {
       const int lag = kBandLag * run.rows.first;
-      SweepPixels<kSecondSweep>(frame, rows + run.rows.first, run.rows.count(), run.kind, run.inner,
+      SweepPixels<kSecondPass>(frame, rows + run.rows.first, run.rows.count(), run.kind, run.inner,
                                 step - lag, end - lag);
     } else {
-      SweepMixedPixels<kSecondSweep>(frame, rows, row_count, run.inner, step, end);
+      SweepMixedPixels<kSecondPass>(frame, rows, row_count, run.inner, step, end);
     }
     step = end;
   }

@@ -4,9 +4,12 @@
 // Data shared by the two sweeps over the image and their caller.
 //
 // A sweep visits the image row by row and computes, at each pixel, the costs of all paths that come
-// from pixels already visited: half of the 16 directions. The second sweep is the first one on the
-// image turned by 180 degrees, hence its own coordinates: u, v count along the sweep, x, y in the
-// image.
+// from pixels already visited: half of the 16 directions. The upward sweep is the downward one on
+// the image turned by 180 degrees, hence its own coordinates: u, v count along the sweep, x, y in
+// the image.
+//
+// Whichever sweep comes to a row first computes the matching costs there and leaves its sums in the
+// volume: the row's first pass. The other one adds up and finds the winners: its second pass.
 
 #include <cstddef>
 #include <cstdint>
@@ -27,6 +30,10 @@ constexpr int kBandLag = 3;
 
 /// Pixels without image on either side of a row of path costs.
 constexpr int kPathMargin = 2;
+
+/// The sweeps.
+enum Sweep { kDown = 0, kUp = 1 };
+constexpr int kSweeps = 2;
 
 /// Directions per sweep.
 constexpr int kSweepDirections = 8;
@@ -87,13 +94,19 @@ struct SweepRow {
   const std::uint8_t* left;   // census strings of the row, in the target's order
   const std::uint8_t* right;  // mirrored
   std::uint16_t* volume;      // [x * padded_range]
-  Winner* winners;            // [x], second sweep only
+  Winner* winners;            // [x], second pass only
 };
 
 /// What all rows of a sweep share.
 struct SweepFrame {
+  /// The image column of the sweep's column u, and how far it moves while u moves by `steps`.
+  int column(int u) const { return (u ^ flip) + origin; }
+  int along(int steps) const { return (steps ^ flip) - flip; }
+
   int width = 0;
   int height = 0;
+  /// Downwards 0 and 0, upwards -1 and the width.
+  int flip = 0, origin = 0;
   int min_disparity = 0;
   int penalty_small = 0;
   CensusWindow window = CensusWindow::k9x7;
@@ -117,10 +130,9 @@ void orderedCensusRow(const PaddedImage& image, bool mirrored, int y, CensusWind
 
 /// Run steps [first, last) of one band of `row_count` <= kBandRows rows. At step s row r is at
 /// pixel s - kBandLag * r; the band is complete with steps 0 to width + kBandLag * (row_count - 1).
-void runFirstSweep(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first, int last);
+void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
                    int last);
-void runSecondSweep(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
-                    int last);
 
 /// P2 of eq. 7 for pixels [begin, end) of a row and each direction: penalties[penaltyPlace(u, r)]
 /// is the entry of `table` (256, falling) for the grey-level step between current[u] and

@@ -34,150 +34,182 @@ void fillPenaltyTable(const MatcherConfig& config, std::uint8_t* table) {
 
 void Sweeps::prepare(int width, int height, const MatcherConfig& config, int threads) {
   config_ = config;
-  frame_.width = width;
-  frame_.height = height;
-  frame_.min_disparity = config.min_disparity;
-  frame_.penalty_small = config.penalty_small;
-  frame_.window = config.census_window;
-  frame_.uniqueness_factor =
+  SweepFrame frame;
+  frame.width = width;
+  frame.height = height;
+  frame.min_disparity = config.min_disparity;
+  frame.penalty_small = config.penalty_small;
+  frame.window = config.census_window;
+  frame.uniqueness_factor =
       config.uniqueness_ratio > 0.0
           ? static_cast<int>(std::lround(4096.0 * 100.0 / (100.0 - config.uniqueness_ratio)))
           : 0;
-  frame_.layout = makeLayout(config.disparity_range);
+  frame.layout = makeLayout(config.disparity_range);
   fillPenaltyTable(config, penalty_table_);
   const std::size_t volume_size =
-      static_cast<std::size_t>(width) * height * frame_.layout.padded_range;
+      static_cast<std::size_t>(width) * height * frame.layout.padded_range;
   volume_.reserve(volume_size);
-  frame_.stream_volume = volume_size * sizeof(std::uint16_t) >= kStreamedVolume;
-  path_rows_.prepare(width, frame_.layout, threads);
+  frame.stream_volume = volume_size * sizeof(std::uint16_t) >= kStreamedVolume;
+  threads_ = threads;
+  const int strips = Strips::perSweep(threads);
+  bands_only_ = strips == 1;
+  kept_rows_ = bands_only_ ? kBandRows : height;
   penalty_stride_ = kSweepDirections * ((static_cast<std::size_t>(width) + 63) / 64 * 64);
-  workers_.resize(threads);
+  workers_.resize(static_cast<std::size_t>(kSweeps) * strips);
   for (Worker& worker : workers_) worker.penalties.reserve(kBandRows * penalty_stride_);
-  kept_rows_ = threads == 1 ? kBandRows : height;
-  census_.prepare(width, kept_rows_, threads);
-  winners_.reserve(static_cast<std::size_t>(width) * kept_rows_);
+  for (const int sweep : {kDown, kUp}) {
+    frames_[sweep] = frame;
+    bands_[sweep] = Bands(height, sweep == kUp);
+    path_rows_[sweep].prepare(width, frame.layout, strips);
+    if (sweep != setOf(sweep)) continue;
+    census_[sweep].prepare(width, kept_rows_, threads);
+    winners_[sweep].reserve(static_cast<std::size_t>(width) * kept_rows_);
+  }
+  frames_[kUp].flip = -1;
+  frames_[kUp].origin = width;
 }
 
 void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
                  ThreadPool* pool, cv::Mat* disparity) {
+  const int width = frames_[kDown].width, height = frames_[kDown].height;
   if (plan_ != plan) {
     plan_ = plan;
-    for (const bool second : {false, true}) kinds_[second].assign(plan, second);
-    shifts_.assign(3 * static_cast<std::size_t>(frame_.width), 0);
+    for (const int sweep : {kDown, kUp}) kinds_[sweep].assign(plan, sweep == kUp);
+    shifts_.assign(3 * static_cast<std::size_t>(width), 0);
     for (int cell = 0; cell < 9; ++cell) {
-      std::uint8_t* row = shifts_.data() + static_cast<std::size_t>(cell / 3) * frame_.width;
+      std::uint8_t* row = shifts_.data() + static_cast<std::size_t>(cell / 3) * width;
       const int shift = plan.paths[cell] == 16 ? 0 : plan.paths[cell] == 8 ? 1 : 2;
       std::fill(row + plan.column_edges[cell % 3], row + plan.column_edges[cell % 3 + 1], shift);
     }
   }
-  census_time_ = 0.0;
-  if (pool->size() > 1) makeCensusOfAll(images, pool);
-  for (const bool second : {false, true}) runSweep(images, second, stop, pool, disparity);
-  if (stop || pool->size() == 1) return;  // selected on the way
+  for (Worker& worker : workers_) worker.census_time = 0.0;
+  const auto forRowsOfEach = [&](const auto& f) {
+    pool->run([&](int thread) {
+      f(height * thread / threads_, height * (thread + 1) / threads_, thread);
+    });
+  };
+  if (!bands_only_) {
+    forRowsOfEach([&](int first, int last, int thread) {
+      makeCensus(images, first, last, kDown, thread, &workers_[thread]);
+    });
+  }
+  strips_.assign(plan_, threads_, &stop);
+  for (const int sweep : {kDown, kUp}) {
+    path_rows_[sweep].assign(bands_[sweep], strips_.edges(sweep));
+  }
   pool->run([&](int thread) {
-    const int height = frame_.height, threads = pool->size();
-    selectRows(height * thread / threads, height * (thread + 1) / threads,
-               &workers_[thread].buffers, disparity);
+    if (thread >= strips_.count()) return;
+    strips_.run(
+        thread, [&](const Strips::Part& part) { preparePart(images, part); },
+        [&](const Strips::Part& part, int first, int last) {
+          workOnPart(part, first, last, disparity);
+        });
+  });
+  if (stop || bands_only_) return;  // selected on the way
+  forRowsOfEach([&](int first, int last, int thread) {
+    selectRows(first, last, kDown, &workers_[thread].buffers, disparity);
   });
 }
 
-void Sweeps::makeCensus(const SweepImages& images, int first, int last, int thread) {
-  census_.make(*images.left, *images.right_mirrored, frame_.window, first, last, thread);
+double Sweeps::censusTime() const {
+  double sum = 0.0;
+  for (const Worker& worker : workers_) sum += worker.census_time;
+  return sum / threads_;
 }
 
-void Sweeps::makeCensusOfAll(const SweepImages& images, ThreadPool* pool) {
+void Sweeps::makeCensus(const SweepImages& images, int first, int last, int set, int thread,
+                        Worker* worker) {
   const Stopwatch watch;
-  pool->run([&](int thread) {
-    const int height = frame_.height, threads = pool->size();
-    makeCensus(images, height * thread / threads, height * (thread + 1) / threads, thread);
-  });
-  census_time_ = watch.milliseconds();
+  census_[set].make(*images.left, *images.right_mirrored, frames_[kDown].window, first, last,
+                    thread);
+  worker->census_time += watch.milliseconds();
 }
 
-void Sweeps::runSweep(const SweepImages& images, bool second, const std::atomic<bool>& stop,
-                      ThreadPool* pool, cv::Mat* disparity) {
-  Strips& strips = strips_[second];
-  strips.assign(second ? turned(plan_) : plan_, pool->size(), &stop);
-  path_rows_.assign(second, strips);
-  const auto prepare = [&](int strip, int band) {
-    Worker& worker = workers_[strip];
-    worker.row_count = std::min(kBandRows, frame_.height - band * kBandRows);
-    if (!second && pool->size() == 1) {
-      const Stopwatch watch;
-      makeCensus(images, band * kBandRows, band * kBandRows + worker.row_count, 0);
-      census_time_ += watch.milliseconds();
+void Sweeps::preparePart(const SweepImages& images, const Strips::Part& part) {
+  Worker& worker = workers_[part.strip];
+  const Bands& bands = bands_[part.sweep];
+  worker.row_count = bands.rows(part.band);
+  if (bands_only_ && !part.second_pass) {
+    const int y = bands.imageRow(part.band);
+    makeCensus(images, y, y + worker.row_count, part.sweep, 0, &worker);
+  }
+  for (int i = 0; i < worker.row_count; ++i) {
+    worker.rows[i] = makeRow(part.sweep, part.band, i);
+    if (part.second_pass) {
+      fetchVolume(worker.rows[i], frames_[part.sweep], part.begin - kBandLag * i);
     }
-    for (int i = 0; i < worker.row_count; ++i) {
-      worker.rows[i] = makeRow(second, band, i, worker.row_count);
-      if (second) fetchVolume(worker.rows[i], strips.edge(strip) - kBandLag * i);
-      fillPenalties(images, second, band * kBandRows + i, i, strips.edge(strip),
-                    strips.edge(strip + 1), &worker, &worker.rows[i]);
-    }
-  };
-  const auto work = [&](int strip, int band, int first, int last) {
-    Worker& worker = workers_[strip];
-    (second ? runSecondSweep : runFirstSweep)(frame_, worker.rows, worker.row_count, first, last);
-    // A row is selected as a whole: at once, while it is in the cache, if there is but one thread.
-    if (second && pool->size() == 1) {
-      const int end = frame_.height - band * kBandRows;
-      selectRows(end - worker.row_count, end, &worker.buffers, disparity);
-    }
-  };
-  pool->run([&](int thread) {
-    if (thread < strips.count()) strips.run(thread, prepare, work);
-  });
+    fillPenalties(images, part, i, &worker);
+  }
 }
 
-void Sweeps::fillPenalties(const SweepImages& images, bool second, int v, int row, int first_step,
-                           int end_step, Worker* worker, SweepRow* out) {
-  // The second sweep reads the image turned by 180 degrees: mirrored, from the last row up.
-  const PaddedImage& image = second ? *images.left_mirrored : *images.left;
-  const auto pixels = [&](int of_v) { return image.row(second ? frame_.height - 1 - of_v : of_v); };
+void Sweeps::workOnPart(const Strips::Part& part, int first, int last, cv::Mat* disparity) {
+  Worker& worker = workers_[part.strip];
+  const auto pass = part.second_pass ? runSecondPass : runFirstPass;
+  pass(frames_[part.sweep], worker.rows, worker.row_count, first, last);
+  // A row is selected as a whole: at once, while it is in the cache, if a thread has whole rows.
+  if (!bands_only_ || !part.second_pass) return;
+  const int y = bands_[part.sweep].imageRow(part.band);
+  selectRows(y, y + worker.row_count, part.sweep, &worker.buffers, disparity);
+}
+
+void Sweeps::fillPenalties(const SweepImages& images, const Strips::Part& part, int index,
+                           Worker* worker) {
+  const bool upward = part.sweep == kUp;
+  const SweepFrame& frame = frames_[part.sweep];
+  const int v = bands_[part.sweep].firstRow(part.band) + index;
+  // The upward sweep reads the image turned by 180 degrees: mirrored, from the last row up.
+  const PaddedImage& image = upward ? *images.left_mirrored : *images.left;
+  const auto pixels = [&](int of_v) { return image.row(upward ? frame.height - 1 - of_v : of_v); };
   constexpr int kStep[kSweepDirections][2] = {{1, 0}, {0, 1},  {1, 1}, {-1, 1},
                                               {2, 1}, {-2, 1}, {1, 2}, {-1, 2}};
   const std::uint8_t* previous[kSweepDirections];
   for (int r = 0; r < kSweepDirections; ++r) {
     previous[r] = pixels(v - kStep[r][1]) - kStep[r][0];
   }
-  std::uint8_t* target = worker->penalties.data() + row * penalty_stride_;
-  const int begin = std::max(0, first_step - kBandLag * row) & ~63;
-  const int end = std::min(frame_.width, end_step - kBandLag * row);
-  penaltyRow(pixels(v), previous, kinds_[second].directions(v), begin, end, penalty_table_, target);
-  out->penalties = target;
+  std::uint8_t* target = worker->penalties.data() + index * penalty_stride_;
+  const int begin = std::max(0, part.begin - kBandLag * index) & ~63;
+  const int end = std::min(frame.width, part.end - kBandLag * index);
+  penaltyRow(pixels(v), previous, kinds_[part.sweep].directions(v), begin, end, penalty_table_,
+             target);
+  worker->rows[index].penalties = target;
 }
 
-void Sweeps::fetchVolume(const SweepRow& row, int u) const {
+void Sweeps::fetchVolume(const SweepRow& row, const SweepFrame& frame, int u) const {
   constexpr int kPixels = 4, kLine = 64 / sizeof(std::uint16_t);
-  const int padded = frame_.layout.padded_range, end = frame_.width - std::max(0, u);
-  const std::uint16_t* volume = row.volume + static_cast<std::size_t>(end) * padded;
-  for (int k = 1; k <= kPixels * padded / kLine; ++k) __builtin_prefetch(volume - k * kLine);
+  const int padded = frame.layout.padded_range;
+  const int x = frame.column(std::max(0, u)), first = std::min(x, x + frame.along(kPixels - 1));
+  const std::uint16_t* volume = row.volume + static_cast<std::ptrdiff_t>(first) * padded;
+  for (int k = 0; k < kPixels * padded / kLine; ++k) __builtin_prefetch(volume + k * kLine);
 }
 
-Winner* Sweeps::winnersOf(int y) {
-  return winners_.data() + static_cast<std::size_t>(y % kept_rows_) * frame_.width;
+Winner* Sweeps::winnersOf(int set, int y) {
+  return winners_[set].data() + static_cast<std::size_t>(y % kept_rows_) * frames_[kDown].width;
 }
 
-SweepRow Sweeps::makeRow(bool second, int band, int index, int row_count) {
-  const int width = frame_.width;
-  const int v = band * kBandRows + index;
-  const int y = second ? frame_.height - 1 - v : v;
+SweepRow Sweeps::makeRow(int sweep, int band, int index) {
+  const SweepFrame& frame = frames_[sweep];
+  const int v = bands_[sweep].firstRow(band) + index;
+  const int y = sweep == kUp ? frame.height - 1 - v : v;
+  const std::size_t row_volume =
+      static_cast<std::size_t>(frame.width) * frame.layout.padded_range;
   SweepRow row{};
-  row.kinds = kinds_[second].row(v);
-  row.kind_ends = kinds_[second].ends(v);
-  path_rows_.find(second, band, index, row_count, &row);
-  row.left = census_.left(y);
-  row.right = census_.right(y);
-  row.volume = volume_.data() + static_cast<std::size_t>(y) * width * frame_.layout.padded_range;
-  row.winners = winnersOf(y);
+  row.kinds = kinds_[sweep].row(v);
+  row.kind_ends = kinds_[sweep].ends(v);
+  path_rows_[sweep].find(band, index, &row);
+  row.left = census_[setOf(sweep)].left(y);
+  row.right = census_[setOf(sweep)].right(y);
+  row.volume = volume_.data() + y * row_volume;
+  row.winners = winnersOf(setOf(sweep), y);
   return row;
 }
 
-void Sweeps::selectRows(int first, int last, RowBuffers* buffers, cv::Mat* disparity) {
+void Sweeps::selectRows(int first, int last, int set, RowBuffers* buffers, cv::Mat* disparity) {
+  const int width = frames_[kDown].width;
   int cell = 0;
   for (int y = first; y < last; ++y) {
     while (y >= plan_.row_edges[cell + 1]) ++cell;
-    selectRow(winnersOf(y), shifts_.data() + static_cast<std::size_t>(cell) * frame_.width,
-              frame_.width, config_, buffers, disparity->ptr<std::int16_t>(y));
+    selectRow(winnersOf(set, y), shifts_.data() + static_cast<std::size_t>(cell) * width, width,
+              config_, buffers, disparity->ptr<std::int16_t>(y));
   }
 }
 

@@ -10,6 +10,7 @@
 #include "adaptive_grid_stereo/matching/padded_image.h"
 #include "adaptive_grid_stereo/path_plan.h"
 #include "src/matching/aligned_buffer.h"
+#include "src/matching/bands.h"
 #include "src/matching/census_rows.h"
 #include "src/matching/path_rows.h"
 #include "src/matching/pixel_kinds.h"
@@ -27,8 +28,8 @@ struct SweepImages {
   const PaddedImage* right_mirrored = nullptr;
 };
 
-/// Census transform and the two sweeps over an image, band by band; the threads share each band by
-/// strips of columns. Owns the volume between the sweeps.
+/// Census transform and the two sweeps over an image, band by band; the threads share them as Strips
+/// tells. Owns the volume that the sweeps leave to each other.
 class Sweeps {
  public:
   /// Makes buffers for the size and range where they are too small.
@@ -39,44 +40,49 @@ class Sweeps {
   void run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
            ThreadPool* pool, cv::Mat* disparity);
 
-  /// What the census transform took of the last run() [ms].
-  double censusTime() const { return census_time_; }
+  /// What the census transform took of the last run() [ms], the mean of the threads.
+  double censusTime() const;
 
  private:
+  // What the thread that works on a strip needs.
   struct Worker {
     AlignedBuffer<std::uint8_t> penalties;  // [row of the band][penaltyPlace()]
     RowBuffers buffers;
     SweepRow rows[kBandRows];  // of the band
     int row_count = 0;
+    double census_time = 0.0;  // [ms]
   };
 
-  void runSweep(const SweepImages& images, bool second, const std::atomic<bool>& stop,
-                ThreadPool* pool, cv::Mat* disparity);
-  void makeCensus(const SweepImages& images, int first, int last, int thread);
-  void makeCensusOfAll(const SweepImages& images, ThreadPool* pool);
-  void selectRows(int first, int last, RowBuffers* buffers, cv::Mat* disparity);
-  SweepRow makeRow(bool second, int band, int index, int row_count);
-  void fillPenalties(const SweepImages& images, bool second, int v, int row, int first_step,
-                     int end_step, Worker* worker, SweepRow* out);
-  // Fetches what the second sweep reads of the volume first, from pixel u on.
-  void fetchVolume(const SweepRow& row, int u) const;
-  Winner* winnersOf(int y);
+  void makeCensus(const SweepImages& images, int first, int last, int set, int thread,
+                  Worker* worker);
+  void preparePart(const SweepImages& images, const Strips::Part& part);
+  void workOnPart(const Strips::Part& part, int first, int last, cv::Mat* disparity);
+  void selectRows(int first, int last, int set, RowBuffers* buffers, cv::Mat* disparity);
+  SweepRow makeRow(int sweep, int band, int index);
+  void fillPenalties(const SweepImages& images, const Strips::Part& part, int index, Worker* worker);
+  // Fetches what a row's second pass reads of the volume first, from pixel u on.
+  void fetchVolume(const SweepRow& row, const SweepFrame& frame, int u) const;
+  Winner* winnersOf(int set, int y);
+  // Which census strings and winners a sweep uses: its own, or those of both.
+  int setOf(int sweep) const { return bands_only_ ? sweep : 0; }
 
   MatcherConfig config_;
-  SweepFrame frame_;
+  SweepFrame frames_[kSweeps];
+  Bands bands_[kSweeps];
   std::uint8_t penalty_table_[256] = {};
-  PixelKinds kinds_[2];
+  PixelKinds kinds_[kSweeps];
   std::vector<std::uint8_t> shifts_;  // [row cell][x]
   PathPlan plan_;
   AlignedBuffer<std::uint16_t> volume_;
-  // Rows whose census strings and winners are kept: all, or with one thread those of a band, which
-  // are made and used up while they are in the caches.
-  int kept_rows_ = 1;
-  CensusRows census_;
-  double census_time_ = 0.0;
-  AlignedBuffer<Winner> winners_;  // [y % kept_rows_][x]
-  PathRows path_rows_;
-  Strips strips_[2];
+  int threads_ = 1;
+  // Whether each thread has whole rows, and so makes and uses up a band's census strings and winners
+  // while they are in the caches. Otherwise those of all rows are kept.
+  bool bands_only_ = true;
+  int kept_rows_ = kBandRows;
+  CensusRows census_[kSweeps];
+  AlignedBuffer<Winner> winners_[kSweeps];  // [y % kept_rows_][x]
+  PathRows path_rows_[kSweeps];
+  Strips strips_;
   std::vector<Worker> workers_;  // one per strip
   std::size_t penalty_stride_ = 0;
 };

@@ -30,15 +30,15 @@ HWY_INLINE ActiveRows FindActiveRows(const SweepFrame& frame, int row_count, int
 // Keeps sums and keys of a few steps in turn: the smallest keys of one are searched after the work
 // of the next, and the winners after that of the one after, so that neither waits for anything.
 // kBits: of a key below the sum. kAllRows: all rows have pixels at all steps. Does nothing in the
-// first sweep; pixels of long ranges find their winners by themselves.
+// first pass; pixels of long ranges find their winners by themselves.
 //
 // (Parameters that recur are no members: stores of path costs, which are bytes, would make
 // compilers load them anew for every pixel.)
-template <int kPadded, Place kPlace, int kBits, bool kSecondSweep, bool kAllRows>
+template <int kPadded, Place kPlace, int kBits, bool kSecondPass, bool kAllRows>
 class WinnerSearch {
  public:
   HWY_INLINE explicit WinnerSearch(const SweepFrame& frame) {
-    if (!kSecondSweep) return;
+    if (!kSecondPass) return;
     for (auto& slot : sums_) {
       for (auto& sums : slot) ClearGap(sums, PaddedRange(frame));
     }
@@ -50,27 +50,27 @@ class WinnerSearch {
   HWY_INLINE std::uint16_t* keys(int step, int r) { return keys_[slotOf(step)][r]; }
 
   // Goes on after the work of a step in which these rows had pixels; `begin` is the first step.
-  HWY_INLINE void Advance(const SweepFrame& frame, const SweepRow* rows, int begin, int step,
-                          const ActiveRows& active) {
+  HWY_INLINE void Advance(const SweepFrame& frame, const Course& course, const SweepRow* rows,
+                          int begin, int step, const ActiveRows& active) {
     if constexpr (kOn) {
       if (!kAllRows) active_[slotOf(step)] = active;
-      if (step > begin + 1) StoreWinners(frame, rows, step - 2, active);
+      if (step > begin + 1) StoreWinners(frame, course, rows, step - 2, active);
       if (step > begin) FindSmallestKeys(step - 1);
     }
   }
 
   // Goes on after the last step.
-  HWY_INLINE void Finish(const SweepFrame& frame, const SweepRow* rows, int begin, int last,
-                         const ActiveRows& active) {
+  HWY_INLINE void Finish(const SweepFrame& frame, const Course& course, const SweepRow* rows,
+                         int begin, int last, const ActiveRows& active) {
     if constexpr (kOn) {
-      if (last > begin) StoreWinners(frame, rows, last - 1, active);
+      if (last > begin) StoreWinners(frame, course, rows, last - 1, active);
       FindSmallestKeys(last);
-      StoreWinners(frame, rows, last, active);
+      StoreWinners(frame, course, rows, last, active);
     }
   }
 
  private:
-  static constexpr bool kOn = kSecondSweep && kPlace != Place::kLongRange;
+  static constexpr bool kOn = kSecondPass && kPlace != Place::kLongRange;
   static constexpr int kSlots = 4;
   static constexpr int kSums = sumsSize(kPadded ? kPadded : kMaxRange);
   static constexpr int kKeys = kMaxLanes / 2;
@@ -93,14 +93,14 @@ class WinnerSearch {
   }
 
   // all: the active rows if kAllRows.
-  HWY_INLINE void StoreWinners(const SweepFrame& frame, const SweepRow* rows, int step,
-                               const ActiveRows& all) {
+  HWY_INLINE void StoreWinners(const SweepFrame& frame, const Course& course, const SweepRow* rows,
+                               int step, const ActiveRows& all) {
     const int slot = slotOf(step);
     const int first = kAllRows ? 0 : active_[slot].first;
     const int count = kAllRows ? all.last : active_[slot].count();
     const std::uint64_t smallest = smallest_[slot];
     const auto winnerOf = [&](int r) AGS_LAMBDA {
-      return rows[r].winners + (frame.width - 1 - (step - kBandLag * r));
+      return rows[r].winners + course.column(step - kBandLag * r);
     };
     Repeat<kBandRows>([&](auto i) AGS_LAMBDA {
       constexpr int kRow = decltype(i)::value;

@@ -1,8 +1,8 @@
-// The first sweep's kernels. Each sweep has a file of its own, since they take long to compile.
+// The first pass's kernels. Each pass has a file of its own, since they take long to compile.
 #include "src/matching/sweep.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "src/matching/first_sweep.cpp"
+#define HWY_TARGET_INCLUDE "src/matching/first_pass.cpp"
 #include "src/matching/simd-inl.h"
 //
 #include "src/matching/sweep-inl.h"
@@ -29,7 +29,7 @@ HWY_EXPORT(SweepLanes);
 
 int sweepLanes() { return HWY_DYNAMIC_DISPATCH(SweepLanes)(); }
 
-void runFirstSweep(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
                    int last) {
   HWY_DYNAMIC_DISPATCH(RunFirst)(frame, rows, row_count, first, last);
 }

@@ -1,8 +1,8 @@
-// The second sweep's kernels. Each sweep has a file of its own, since they take long to compile.
+// The second pass's kernels. Each pass has a file of its own, since they take long to compile.
 #include "src/matching/sweep.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "src/matching/second_sweep.cpp"
+#define HWY_TARGET_INCLUDE "src/matching/second_pass.cpp"
 #include "src/matching/simd-inl.h"
 //
 #include "src/matching/sweep-inl.h"
@@ -24,7 +24,7 @@ HWY_AFTER_NAMESPACE();
 namespace adaptive_grid_stereo {
 HWY_EXPORT(RunSecond);
 
-void runSecondSweep(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
                     int last) {
   HWY_DYNAMIC_DISPATCH(RunSecond)(frame, rows, row_count, first, last);
 }
