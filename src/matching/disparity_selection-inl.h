@@ -204,43 +204,44 @@ HWY_INLINE bool HasRival(std::uint16_t* sums, int padded_range, int winner,
   return !hn::AllTrue(d, hn::Eq(below, hn::Zero(d)));
 }
 
-// What stands for a winner where there is none.
-constexpr Winner kWithoutWinner = {kNoWinner | std::uint32_t{kNoSum} << 16, 0xFFFFFFFF};
+// Puts down that pixel x has no winner.
+HWY_INLINE void PutNoWinner(const WinnerRow& row, std::ptrdiff_t x) {
+  row.found[x] = kNoWinner | std::uint32_t{kNoSum} << 16;
+  row.odd[x] = row.even[x] = kNoSum | std::uint32_t{kNoSum} << 16;
+}
 
-// The winner with its neighbours, by its place among the sums of one parity and its sum; sums that
+// Puts down the winner of pixel x, by its place among the sums of one parity and its sum; sums that
 // are no candidate's must be kNoSum.
-HWY_INLINE void PutWinner(const std::uint16_t* sums, int padded_range, int place, std::uint16_t sum,
-                          Winner* winner) {
-  // Of even and odd sums that are equal, the even one wins.
-  const std::uint32_t odd = sums[place] != sum;
-  // Its neighbours are of the other parity: as likely as not the odd one, hence no branch.
-  const int to_odd = static_cast<int>(OddSums(sums, padded_range) - sums) - 1;
-  winner->found =
-      static_cast<std::uint32_t>(sum) << 16 | (2 * static_cast<std::uint32_t>(place) + odd);
+HWY_INLINE void PutWinner(const std::uint16_t* sums, int padded_range, int place, std::uint32_t sum,
+                          const WinnerRow& row, std::ptrdiff_t x) {
+  row.found[x] = sum << 16 | static_cast<std::uint32_t>(place);
   // Low half first, as the CPUs that this is built for have it.
-  std::memcpy(&winner->beside, sums + place + (to_odd & (static_cast<int>(odd) - 1)),
-              sizeof(winner->beside));
+  std::memcpy(row.odd + x, OddSums(sums, padded_range) + place - 1, sizeof(row.odd[x]));
+  std::memcpy(row.even + x, sums + place, sizeof(row.even[x]));
 }
 
 // Marks a winner that has a rival within the uniqueness ratio. Overwrites the sums around it.
 HWY_INLINE void MarkAmbiguous(const SweepFrame& frame, std::uint16_t* sums, int padded_range,
-                              Winner* winner) {
-  const std::uint32_t threshold =
-      highHalf(winner->found) * static_cast<std::uint32_t>(frame.uniqueness_factor) >> 12;
-  const int index = static_cast<int>(lowHalf(winner->found));
-  if (HasRival(sums, padded_range, index, threshold)) winner->found |= kNotUnique;
+                              std::uint32_t* found) {
+  const std::uint32_t sum = highHalf(*found);
+  const std::uint32_t threshold = sum * static_cast<std::uint32_t>(frame.uniqueness_factor) >> 12;
+  const int place = static_cast<int>(lowHalf(*found));
+  // Of even and odd sums that are equal, the even one wins.
+  const int index = 2 * place + (sums[place] != sum);
+  if (HasRival(sums, padded_range, index, threshold)) *found |= kNotUnique;
 }
 
-// Winner of a pixel with more disparities than one search can take.
-HWY_INLINE Winner SelectAmongCandidates(const SweepFrame& frame, std::uint16_t* sums,
-                                        const Candidates& candidates) {
+// Puts down the winner of a pixel with more disparities than one search can take.
+HWY_INLINE void SelectAmongCandidates(const SweepFrame& frame, std::uint16_t* sums,
+                                      const Candidates& candidates, const WinnerRow& row,
+                                      std::ptrdiff_t x) {
   const PathLayout& layout = frame.layout;
-  if (candidates.none()) return kWithoutWinner;
+  if (candidates.none()) return PutNoWinner(row, x);
   const PlacedSum best = SearchCandidates(sums, layout.padded_range, candidates);
-  Winner winner;
-  PutWinner(sums, layout.padded_range, best.place, static_cast<std::uint16_t>(best.sum), &winner);
-  if (frame.uniqueness_factor > 0) MarkAmbiguous(frame, sums, layout.padded_range, &winner);
-  return winner;
+  PutWinner(sums, layout.padded_range, best.place, static_cast<std::uint32_t>(best.sum), row, x);
+  if (frame.uniqueness_factor > 0) {
+    MarkAmbiguous(frame, sums, layout.padded_range, row.found + x);
+  }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -47,6 +47,7 @@ struct Course {
         census_ahead(frame.along(kCensusAhead)),
         volume_ahead(frame.along(kVolumeAhead) * frame.layout.padded_range) {}
   HWY_INLINE std::ptrdiff_t column(std::ptrdiff_t u) const { return (u ^ flip) + origin; }
+  HWY_INLINE std::ptrdiff_t along(std::ptrdiff_t steps) const { return (steps ^ flip) - flip; }
 
   // How far ahead hardware is helped to fetch the volume, above all where a sweep goes down through
   // memory [px].
@@ -126,7 +127,7 @@ struct PixelSweep {
       }
     });
     if (kPlace == Place::kLongRange) {
-      row.winners[x] = SelectAmongCandidates(frame, sums, candidates);
+      SelectAmongCandidates(frame, sums, candidates, row.winners, x);
     } else {
       hn::Store(best, d16, keys);
     }

@@ -28,9 +28,6 @@ HWY_BEFORE_NAMESPACE();
 namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE int IndexOf(const Winner& winner) { return static_cast<int>(lowHalf(winner.found)); }
-HWY_INLINE int SumOf(const Winner& winner) { return static_cast<int>(highHalf(winner.found)); }
-
 // Minimum of the parabola through three sums, in fixed point around 0, rounded half up.
 HWY_INLINE int SubpixelOffset(int before, int sum, int after) {
   const int curvature = std::max(1, before + after - 2 * sum);
@@ -43,20 +40,28 @@ HWY_INLINE int SubpixelOffset(int before, int sum, int after) {
          kDisparityScale;
 }
 
-// Disparities of the unique winners, whether the right image agrees or not.
-HWY_ATTR void InterpolateRow(const Winner* winners, int width, bool subpixel,
-                             std::int16_t* disparity) {
-  const Winner* __restrict winner = winners;
+// Disparities of the unique winners, whether the right image agrees or not; and the indices of all.
+HWY_ATTR void InterpolateRow(const WinnerRow& winners, int width, bool subpixel,
+                             std::int32_t* indices, std::int16_t* disparity) {
+  const std::uint32_t* __restrict found = winners.found;
+  const std::uint32_t* __restrict odd = winners.odd;
+  const std::uint32_t* __restrict even = winners.even;
+  std::int32_t* __restrict index = indices;
   std::int16_t* __restrict out = disparity;
   const int wanted = subpixel ? -1 : 0;
   // Masks instead of branches, which compilers would not turn into vectors.
   for (int x = 0; x < width; ++x) {
-    const int k = IndexOf(winner[x]), s = SumOf(winner[x]);
-    const int b = static_cast<int>(lowHalf(winner[x].beside));
-    const int a = static_cast<int>(highHalf(winner[x].beside));
+    const int s = static_cast<int>(highHalf(found[x]));
+    const int place = static_cast<int>(lowHalf(found[x] & ~kNotUnique));
+    // Of even and odd sums that are equal, the even one wins.
+    const int is_odd = static_cast<int>(lowHalf(even[x])) != s;
+    const std::uint32_t beside = odd[x] ^ ((odd[x] ^ even[x]) & static_cast<std::uint32_t>(-is_odd));
+    const int b = static_cast<int>(lowHalf(beside)), a = static_cast<int>(highHalf(beside));
     const int has_offset = wanted & -((b != kNoSum) & (a != kNoSum) & (b + a > 2 * s));
+    const int k = 2 * place + is_odd;
     const int value = k * kDisparityScale + (SubpixelOffset(b, s, a) & has_offset);
-    const int invalid = -(k >> 15);  // kNotUnique, which is set in kNoWinner, too
+    const int invalid = -static_cast<int>(found[x] >> 15 & 1);  // kNotUnique; in kNoWinner, too
+    index[x] = k;
     out[x] = static_cast<std::int16_t>((value & ~invalid) | (kInvalidDisparity & invalid));
   }
 }
@@ -65,40 +70,37 @@ HWY_ATTR void InterpolateRow(const Winner* winners, int width, bool subpixel,
 // where the right image is asked: at that pixel and at the one to its right, or else to its left,
 // where the winner's neighbour on the side of its sub-pixel disparity would be seen; `questions`
 // has the left one of the two.
-HWY_ATTR void FindClaims(const Winner* winners, const std::uint8_t* shifts,
-                         const std::int16_t* disparity, int width, int min_disparity,
-                         std::int32_t nowhere, RowBuffers* buffers) {
-  const Winner* __restrict winner = winners;
-  const std::uint8_t* __restrict shift = shifts;
-  const std::int16_t* __restrict value = disparity;
-  std::int32_t* __restrict place = buffers->places.data();
-  std::int32_t* __restrict claim = buffers->claims.data();
-  std::int32_t* __restrict question = buffers->questions.data();
+HWY_NOINLINE HWY_ATTR void FindClaims(const std::uint32_t* __restrict found,
+                                      const std::uint8_t* __restrict shift,
+                                      const std::int32_t* __restrict index,
+                                      const std::int16_t* __restrict disparity, int width,
+                                      int min_disparity, std::int32_t nowhere,
+                                      std::int32_t* __restrict place, std::int32_t* __restrict claim,
+                                      std::int32_t* __restrict question) {
   for (int x = 0; x < width; ++x) {
-    const std::int32_t index = IndexOf(winner[x]), k = index & ~static_cast<int>(kNotUnique);
-    const std::int32_t none = -static_cast<std::int32_t>(index == static_cast<int>(kNoWinner));
+    const std::int32_t k = index[x], sum = static_cast<std::int32_t>(highHalf(found[x]));
+    const std::int32_t none = -static_cast<std::int32_t>(sum == kNoSum);
     const std::int32_t right = ((x - min_disparity - k) & ~none) | (nowhere & none);
     place[x] = right;
-    claim[x] = SumOf(winner[x]) << shift[x] << kIndexBits | k;
-    question[x] = right - (value[x] > k * kDisparityScale);
+    claim[x] = sum << shift[x] << kIndexBits | k;
+    question[x] = right - (disparity[x] > k * kDisparityScale);
   }
 }
 
 // Drops winners that the right image contradicts, in both of the places where it was asked.
-HWY_ATTR void DropInconsistent(const Winner* winners, int width, unsigned most,
-                               const RowBuffers& buffers, std::int16_t* disparity) {
-  const Winner* __restrict winner = winners;
+HWY_ATTR void DropInconsistent(int width, unsigned most, const RowBuffers& buffers,
+                               std::int16_t* disparity) {
+  const std::int32_t* __restrict index = buffers.indices.data();
   const std::int32_t* __restrict place = buffers.places.data();
   const std::int32_t* __restrict question = buffers.questions.data();
   const std::int32_t* __restrict answer = buffers.answers.data();
   std::int16_t* __restrict value = disparity;
   for (int x = 0; x < width; ++x) {
-    const std::int32_t k = IndexOf(winner[x]) & ~static_cast<int>(kNotUnique);
     // What the winner itself, or its neighbour, would have as index there.
-    const std::int32_t left_k = k + place[x] - question[x], right_k = left_k - 1;
+    const std::int32_t left_k = index[x] + place[x] - question[x], right_k = left_k - 1;
     const unsigned left = static_cast<unsigned>((answer[2 * x] & kIndexMask) - left_k);
     const unsigned right = static_cast<unsigned>((answer[2 * x + 1] & kIndexMask) - right_k);
-    const int has_side = value[x] != k * kDisparityScale;
+    const int has_side = value[x] != index[x] * kDisparityScale;
     const int keep = -((left + most <= 2 * most) | ((right + most <= 2 * most) & has_side));
     value[x] = static_cast<std::int16_t>((value[x] & keep) | (kInvalidDisparity & ~keep));
   }
@@ -106,7 +108,7 @@ HWY_ATTR void DropInconsistent(const Winner* winners, int width, unsigned most,
 
 // The left-right check. Of several winners that claim one right pixel the smallest sum has it, then
 // the smallest disparity.
-HWY_ATTR void CheckRow(const Winner* winners, const std::uint8_t* shifts, int width,
+HWY_ATTR void CheckRow(const std::uint32_t* winners, const std::uint8_t* shifts, int width,
                        const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
   // One pixel more on either side lets a neighbouring disparity be looked up without asking; one
   // beyond takes the claims of those that have none.
@@ -114,7 +116,8 @@ HWY_ATTR void CheckRow(const Winner* winners, const std::uint8_t* shifts, int wi
   buffers->right.assign(width + 4, kNoClaim);
   for (auto* row : {&buffers->places, &buffers->claims, &buffers->questions}) row->resize(width);
   buffers->answers.resize(2 * static_cast<std::size_t>(width));
-  FindClaims(winners, shifts, disparity, width, config.min_disparity, nowhere, buffers);
+  FindClaims(winners, shifts, buffers->indices.data(), disparity, width, config.min_disparity,
+             nowhere, buffers->places.data(), buffers->claims.data(), buffers->questions.data());
   std::int32_t* right = buffers->right.data() + 1;
   const std::int32_t* place = buffers->places.data();
   const std::int32_t* claim = buffers->claims.data();
@@ -125,14 +128,15 @@ HWY_ATTR void CheckRow(const Winner* winners, const std::uint8_t* shifts, int wi
     std::memcpy(answer + 2 * x, right + question[x], 2 * sizeof(*answer));
   }
   const int most = std::min(config.disp12_max_diff, kLargestDifference);
-  DropInconsistent(winners, width, static_cast<unsigned>(most), *buffers, disparity);
+  DropInconsistent(width, static_cast<unsigned>(most), *buffers, disparity);
 }
 
-HWY_ATTR void SelectRow(const Winner* winners, const std::uint8_t* shifts, int width,
+HWY_ATTR void SelectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
                         const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
-  InterpolateRow(winners, width, config.subpixel, disparity);
+  buffers->indices.resize(width);
+  InterpolateRow(winners, width, config.subpixel, buffers->indices.data(), disparity);
   if (config.disp12_max_diff < 0) return;
-  CheckRow(winners, shifts, width, config, buffers, disparity);
+  CheckRow(winners.found, shifts, width, config, buffers, disparity);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -143,7 +147,7 @@ HWY_AFTER_NAMESPACE();
 namespace adaptive_grid_stereo {
 HWY_EXPORT(SelectRow);
 
-void selectRow(const Winner* winners, const std::uint8_t* shifts, int width,
+void selectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
                const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
   HWY_DYNAMIC_DISPATCH(SelectRow)(winners, shifts, width, config, buffers, disparity);
 }

@@ -11,6 +11,7 @@ namespace adaptive_grid_stereo {
 
 /// Buffers of selectRow, for one thread. Claims are sums and indices: sum << 10 | index.
 struct RowBuffers {
+  std::vector<std::int32_t> indices;             // [x] of the winners' disparities
   std::vector<std::int32_t> places, claims;      // [x] which right pixel, and by what
   std::vector<std::int32_t> right;               // the best claim to each right pixel
   std::vector<std::int32_t> questions, answers;  // [x], [2x] of two right pixels
@@ -19,7 +20,7 @@ struct RowBuffers {
 /// Sub-pixel disparity and left-right check of one row's winners.
 /// shifts: [x] log2(16 / paths) of each pixel, which brings sums of different cells to one scale.
 /// disparity: width fixed-point values, kInvalidDisparity where there is none.
-void selectRow(const Winner* winners, const std::uint8_t* shifts, int width,
+void selectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
                const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity);
 
 }  // namespace adaptive_grid_stereo

@@ -36,7 +36,8 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
   using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
   constexpr int kBits = keyBits<kDirections, kPadded>();
   const Course course(frame);
-  WinnerSearch<kPadded, kPlace, kBits, kSecondPass, true> search(frame);
+  WinnerSearch<kPadded, kPlace, kBits, kSecondPass, true> search(frame, course, rows,
+                                                                          row_count);
   const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
   const auto sweepTogether = [&](auto count, int first, int step) AGS_LAMBDA {
     constexpr int kCount = decltype(count)::value;
@@ -67,9 +68,9 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
     if (kTogether > 1) {
       for (; r < row_count; ++r) sweepTogether(std::integral_constant<int, 1>(), r, step);
     }
-    search.Advance(frame, course, rows, begin, step, {0, row_count});
+    search.Advance(frame, course, begin, step, {0, row_count});
   }
-  search.Finish(frame, course, rows, begin, end - 1, {0, row_count});
+  search.Finish(frame, course, begin, end - 1, {0, row_count});
 }
 
 template <int kPadded, Place kPlace, bool kSecondPass>
@@ -129,7 +130,8 @@ template <int kPadded, Place kPlace, bool kSecondPass>
 HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                       int begin, int end) {
   const Course course(frame);
-  WinnerSearch<kPadded, kPlace, kBlockBits, kSecondPass, false> search(frame);
+  WinnerSearch<kPadded, kPlace, kBlockBits, kSecondPass, false> search(frame, course, rows,
+                                                                                row_count);
   const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
   const auto sweepPixel = [&](auto directions, int r, int step) AGS_LAMBDA {
     const int u = step - kBandLag * r;
@@ -161,9 +163,9 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
           break;
       }
     }
-    search.Advance(frame, course, rows, begin, step, active);
+    search.Advance(frame, course, begin, step, active);
   }
-  search.Finish(frame, course, rows, begin, end - 1, {0, row_count});
+  search.Finish(frame, course, begin, end - 1, {0, row_count});
 }
 
 template <bool kSecondPass>

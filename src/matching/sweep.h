@@ -59,12 +59,18 @@ struct PathLayout {
 /// of the image are zero: paths start anew beside them.
 using PathRow = std::uint8_t* const*;
 
-/// The winner of one pixel, in halves of 16 bits.
-struct Winner {
-  /// Low: index of the disparity, or kNoWinner; | kNotUnique. High: the sum of its path costs.
-  std::uint32_t found;
-  /// The sums at index - 1 (low) and index + 1 (high); kNoSum outside of the candidates.
-  std::uint32_t beside;
+/// The winners of a row's pixels, in halves of 16 bits, [x]. What they mean is told apart later, by
+/// vectors: for every pixel by itself it would take longer.
+struct WinnerRow {
+  /// Low: place of the winner's sum of path costs among those of the even or the odd disparities, or
+  /// kNoWinner; | kNotUnique. High: the sum.
+  std::uint32_t* found;
+  /// The odd disparities' sums before that place (low) and at it (high): those on either side of an
+  /// even winner. kNoSum outside of the candidates.
+  std::uint32_t* odd;
+  /// The even disparities' sums at that place (low) and behind it (high): those on either side of an
+  /// odd winner. The winner is even if the first one is its sum.
+  std::uint32_t* even;
 };
 constexpr std::uint32_t kNoWinner = 0xFFFF;
 constexpr std::uint32_t kNotUnique = 0x8000;
@@ -94,7 +100,7 @@ struct SweepRow {
   const std::uint8_t* left;   // census strings of the row, in the target's order
   const std::uint8_t* right;  // mirrored
   std::uint16_t* volume;      // [x * padded_range]
-  Winner* winners;            // [x], second pass only
+  WinnerRow winners;          // second pass only
 };
 
 /// What all rows of a sweep share.

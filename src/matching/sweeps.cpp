@@ -63,7 +63,7 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
     path_rows_[sweep].prepare(width, frame.layout, strips);
     if (sweep != setOf(sweep)) continue;
     census_[sweep].prepare(width, kept_rows_, threads);
-    winners_[sweep].reserve(static_cast<std::size_t>(width) * kept_rows_);
+    winners_[sweep].reserve(3 * static_cast<std::size_t>(width) * kept_rows_);
   }
   frames_[kUp].flip = -1;
   frames_[kUp].origin = width;
@@ -182,8 +182,10 @@ void Sweeps::fetchVolume(const SweepRow& row, const SweepFrame& frame, int u) co
   for (int k = 0; k < kPixels * padded / kLine; ++k) __builtin_prefetch(volume + k * kLine);
 }
 
-Winner* Sweeps::winnersOf(int set, int y) {
-  return winners_[set].data() + static_cast<std::size_t>(y % kept_rows_) * frames_[kDown].width;
+WinnerRow Sweeps::winnersOf(int set, int y) {
+  const std::size_t width = frames_[kDown].width;
+  std::uint32_t* found = winners_[set].data() + y % kept_rows_ * 3 * width;
+  return {found, found + width, found + 2 * width};
 }
 
 SweepRow Sweeps::makeRow(int sweep, int band, int index) {

@@ -62,7 +62,7 @@ class Sweeps {
   void fillPenalties(const SweepImages& images, const Strips::Part& part, int index, Worker* worker);
   // Fetches what a row's second pass reads of the volume first, from pixel u on.
   void fetchVolume(const SweepRow& row, const SweepFrame& frame, int u) const;
-  Winner* winnersOf(int set, int y);
+  WinnerRow winnersOf(int set, int y);
   // Which census strings and winners a sweep uses: its own, or those of both.
   int setOf(int sweep) const { return bands_only_ ? sweep : 0; }
 
@@ -80,7 +80,7 @@ class Sweeps {
   bool bands_only_ = true;
   int kept_rows_ = kBandRows;
   CensusRows census_[kSweeps];
-  AlignedBuffer<Winner> winners_[kSweeps];  // [y % kept_rows_][x]
+  AlignedBuffer<std::uint32_t> winners_[kSweeps];  // [y % kept_rows_][of WinnerRow][x]
   PathRows path_rows_[kSweeps];
   Strips strips_;
   std::vector<Worker> workers_;  // one per strip

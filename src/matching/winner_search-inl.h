@@ -37,8 +37,14 @@ HWY_INLINE ActiveRows FindActiveRows(const SweepFrame& frame, int row_count, int
 template <int kPadded, Place kPlace, int kBits, bool kSecondPass, bool kAllRows>
 class WinnerSearch {
  public:
-  HWY_INLINE explicit WinnerSearch(const SweepFrame& frame) {
+  HWY_INLINE WinnerSearch(const SweepFrame& frame, const Course& course, const SweepRow* rows,
+                          int row_count) {
     if (!kSecondPass) return;
+    for (int r = 0; r < row_count; ++r) {
+      const std::ptrdiff_t lag = course.along(kBandLag * r);
+      const WinnerRow& row = rows[r].winners;
+      winners_[r] = {row.found - lag, row.odd - lag, row.even - lag};
+    }
     for (auto& slot : sums_) {
       for (auto& sums : slot) ClearGap(sums, PaddedRange(frame));
     }
@@ -50,22 +56,22 @@ class WinnerSearch {
   HWY_INLINE std::uint16_t* keys(int step, int r) { return keys_[slotOf(step)][r]; }
 
   // Goes on after the work of a step in which these rows had pixels; `begin` is the first step.
-  HWY_INLINE void Advance(const SweepFrame& frame, const Course& course, const SweepRow* rows,
-                          int begin, int step, const ActiveRows& active) {
+  HWY_INLINE void Advance(const SweepFrame& frame, const Course& course, int begin, int step,
+                          const ActiveRows& active) {
     if constexpr (kOn) {
       if (!kAllRows) active_[slotOf(step)] = active;
-      if (step > begin + 1) StoreWinners(frame, course, rows, step - 2, active);
+      if (step > begin + 1) StoreWinners(frame, course, step - 2, active);
       if (step > begin) FindSmallestKeys(step - 1);
     }
   }
 
   // Goes on after the last step.
-  HWY_INLINE void Finish(const SweepFrame& frame, const Course& course, const SweepRow* rows,
-                         int begin, int last, const ActiveRows& active) {
+  HWY_INLINE void Finish(const SweepFrame& frame, const Course& course, int begin, int last,
+                         const ActiveRows& active) {
     if constexpr (kOn) {
-      if (last > begin) StoreWinners(frame, course, rows, last - 1, active);
+      if (last > begin) StoreWinners(frame, course, last - 1, active);
       FindSmallestKeys(last);
-      StoreWinners(frame, course, rows, last, active);
+      StoreWinners(frame, course, last, active);
     }
   }
 
@@ -93,31 +99,30 @@ class WinnerSearch {
   }
 
   // all: the active rows if kAllRows.
-  HWY_INLINE void StoreWinners(const SweepFrame& frame, const Course& course, const SweepRow* rows,
-                               int step, const ActiveRows& all) {
+  HWY_INLINE void StoreWinners(const SweepFrame& frame, const Course& course, int step,
+                               const ActiveRows& all) {
     const int slot = slotOf(step);
     const int first = kAllRows ? 0 : active_[slot].first;
     const int count = kAllRows ? all.last : active_[slot].count();
     const std::uint64_t smallest = smallest_[slot];
-    const auto winnerOf = [&](int r) AGS_LAMBDA {
-      return rows[r].winners + course.column(step - kBandLag * r);
-    };
+    const std::ptrdiff_t x = course.column(step);
     Repeat<kBandRows>([&](auto i) AGS_LAMBDA {
       constexpr int kRow = decltype(i)::value;
       if (kRow >= count) return;
       const int r = first + kRow;
       const std::uint16_t key = static_cast<std::uint16_t>(smallest >> 16 * kRow);
       if (kPlace == Place::kBorder && key >= kNoKey<kBits>) {
-        *winnerOf(r) = kWithoutWinner;
-        return;
+        return PutNoWinner(winners_[r], x);
       }
       const int place = PlaceOfKey<kBits, kPadded>(key, keys_[slot][r]);
-      PutWinner(sums_[slot][r], PaddedRange(frame), place, key >> kBits, winnerOf(r));
+      PutWinner(sums_[slot][r], PaddedRange(frame), place, std::uint32_t{key} >> kBits,
+                winners_[r], x);
     });
     if (frame.uniqueness_factor == 0) return;
     for (int r = first; r < first + count; ++r) {
-      if (lowHalf(winnerOf(r)->found) == kNoWinner) continue;
-      MarkAmbiguous(frame, sums_[slot][r], PaddedRange(frame), winnerOf(r));
+      std::uint32_t* found = winners_[r].found + x;
+      if (lowHalf(*found) == kNoWinner) continue;
+      MarkAmbiguous(frame, sums_[slot][r], PaddedRange(frame), found);
     }
   }
 
@@ -125,6 +130,8 @@ class WinnerSearch {
   alignas(64) std::uint16_t keys_[kSlots][kKeyRows][kKeys];
   std::uint64_t smallest_[kSlots];
   ActiveRows active_[kSlots];
+  // Of the band's rows, moved by their lag: at a step, the same column is that of all rows' pixels.
+  WinnerRow winners_[kBandRows];
 };
 
 }  // namespace HWY_NAMESPACE
