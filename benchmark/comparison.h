@@ -36,12 +36,12 @@ struct Series {
 
 /// Runs ours (uniform 16, 8, 4, forward at V_max, yaw left, pitch up) and OpenCV's matchers with
 /// each number of threads, in rounds: within a round all take turns, so that a slow spell of the
-/// machine meets all of them. One round before the first is not counted. `step` is called after
-/// each run.
+/// machine meets all of them. At its turn each matches two frames one after the other, as in a
+/// stream, of which the second counts. `step` is called after each turn.
 std::vector<Series> compare(const Setting& setting, const std::vector<int>& threads, int rounds,
                             const std::function<void()>& step);
 
-/// Number of runs that compare() makes, for a progress bar.
+/// Number of turns in compare(), for a progress bar.
 long runsOf(const std::vector<int>& threads, int rounds);
 
 /// The series of that name, or nullptr.

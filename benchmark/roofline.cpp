@@ -1,6 +1,5 @@
 #include "benchmark/roofline.h"
 
-#include <cstring>
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
@@ -30,8 +29,7 @@ HWY_INLINE void AggregatePixel(const SweepRow& row, int u, V8 cost_of_all, V8 pe
     hn::Store(hn::BitCast(d, hn::Xor(sums[0].even, sums[0].odd)), d,
               pixel + kPixelHeader + kSweepDirections * kRange);
   }
-  const std::uint64_t bytes = SmallestLanes<kSweepDirections>(d, smallest);
-  std::memcpy(pixel, &bytes, sizeof(bytes));
+  StoreSmallest<kSweepDirections>(d, smallest, pixel);
 }
 
 HWY_ATTR void Recurrence(const SweepRow* rows, int row_count, int width, int pixels) {

@@ -6,6 +6,8 @@
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_PATH_AGGREGATION_INL_H
 #endif
 
+#include <cstring>
+
 #include "src/matching/repeat-inl.h"
 #include "src/matching/sweep.h"
 
@@ -57,6 +59,23 @@ HWY_INLINE const std::uint8_t* Predecessor(const SweepRow& row, int u) {
   }
 }
 
+// How often a pixel's header has the smallest path cost of each direction. Four equal bytes are
+// spread over a vector by loading alone; a single one takes the CPU's port that moves bytes, too,
+// which with 64 disparities is 2 % of a frame on an Intel Xeon.
+#if HWY_TARGET == HWY_AVX3_DL
+constexpr int kSmallestCopies = 4;
+#else
+constexpr int kSmallestCopies = 1;
+#endif
+static_assert(kSmallestCopies * kSweepDirections <= kPixelHeader, "the header must hold them");
+
+HWY_INLINE V8 SmallestAt(D8 d, const std::uint8_t* from) {
+  if (kSmallestCopies == 1) return hn::Set(d, *from);
+  std::uint32_t four;
+  std::memcpy(&four, from, sizeof(four));
+  return hn::BitCast(d, hn::Set(hn::Repartition<std::uint32_t, D8>(), four));
+}
+
 // One direction of one pixel, ready to go through the disparities.
 struct Path {
   const std::uint8_t* from;  // path costs at the predecessor, disparity 0
@@ -69,7 +88,7 @@ template <int kDirection>
 HWY_INLINE Path MakePath(D8 d, const SweepRow& row, int u, std::uint8_t* pixel, int padded_range) {
   const std::uint8_t* predecessor = Predecessor<kDirection>(row, u);
   const std::size_t block = kPixelHeader + kDirection * static_cast<std::size_t>(padded_range);
-  const V8 smallest = hn::Set(d, predecessor[kDirection]);
+  const V8 smallest = SmallestAt(d, predecessor + kSmallestCopies * kDirection);
   const V8 penalty = hn::Set(d, row.penalties[penaltyPlace(u, kDirection)]);
   return {predecessor + block, pixel + block, smallest, penalty};
 }
@@ -160,9 +179,10 @@ HWY_INLINE auto FoldToBlock(V8 v) {
 #endif
 }
 
-// Smallest lane of each of 2, 4 or 8 vectors: one byte each, the first one lowest.
+// Stores the smallest lane of each of 2, 4 or 8 vectors one after the other, kSmallestCopies times;
+// may write 8 * kSmallestCopies bytes, to where these are aligned.
 template <int kCount>
-HWY_INLINE std::uint64_t SmallestLanes(D8 d, const V8* v) {
+HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* to) {
   const hn::Repartition<std::uint32_t, D8> d32;
   const D16 d16;
   const auto merge8 = [&](V8 a, V8 b) AGS_LAMBDA {
@@ -188,7 +208,16 @@ HWY_INLINE std::uint64_t SmallestLanes(D8 d, const V8* v) {
   block = hn::Min(block, hn::ShiftRightBytes<8>(d128, block));
   if (kCount < 8) block = hn::Min(block, hn::ShiftRightBytes<4>(d128, block));
   if (kCount < 4) block = hn::Min(block, hn::ShiftRightBytes<2>(d128, block));
-  return hn::GetLane(hn::BitCast(hn::Full128<std::uint64_t>(), block));
+#if HWY_TARGET == HWY_AVX3_DL
+  alignas(32) static constexpr std::uint8_t kFourEach[32] = {
+      0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7};
+  const auto four_each = _mm256_load_si256(reinterpret_cast<const __m256i*>(kFourEach));
+  const __m256i copies = _mm256_permutexvar_epi8(four_each, _mm256_castsi128_si256(block.raw));
+  _mm256_store_si256(reinterpret_cast<__m256i*>(to), copies);
+#else
+  const auto bytes = hn::GetLane(hn::BitCast(hn::Full128<std::uint64_t>(), block));
+  std::memcpy(to, &bytes, sizeof(bytes));
+#endif
 }
 
 // The path costs of `kVectors` vectors of disparities from index k on, for all directions; returns

@@ -62,8 +62,8 @@ void PathRows::prepare(int width, const PathLayout& layout, int strips) {
   reserve(static_cast<std::size_t>(sets_ + strips) * kBandRows * kRingPixels, &rings_);
   reserve(1, &zero_);
   if (!changed) return;
+  std::memset(zero_.data(), 0, kPixelHeader);
   for (int r = 0; r < kSweepDirections; ++r) {
-    zero_.data()[r] = 0;
     std::memset(zero_.data() + kPixelHeader + r * layout.padded_range, 0, layout.range);
   }
   zero_row_.assign(row_pixels_, zero_.data());

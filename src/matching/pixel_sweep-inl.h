@@ -139,7 +139,7 @@ struct PixelSweep {
     const D8 d;
     const int lanes = static_cast<int>(hn::Lanes(d)), padded = PaddedRange(frame);
     for (int r = kDirections; r < kSweepDirections; ++r) {
-      pixel[r] = 0;
+      std::memset(pixel + kSmallestCopies * r, 0, kSmallestCopies);
       std::uint8_t* costs = pixel + kPixelHeader + r * padded;
       for (int k = 0; k < padded; k += lanes) {
         hn::Store(EndCosts(frame, k, hn::Zero(d)), d, costs + k);

@@ -53,11 +53,14 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
         Pixel::First(frame, course, rows[r], u, penalty_small, smallest + kRow * kDirections);
       }
     });
-    std::uint64_t bytes = SmallestLanes<kCount * kDirections>(D8(), smallest);
-    for (int i = 0; i < kCount; ++i, bytes >>= 8 * kDirections % 64) {
-      const int r = first + i;
-      std::memcpy(rows[r].current[step - kBandLag * r], &bytes, sizeof(bytes));
-    }
+    const auto pixel = [&](int r) AGS_LAMBDA { return rows[r].current[step - kBandLag * r]; };
+    if constexpr (kCount == 1) return StoreSmallest<kDirections>(D8(), smallest, pixel(first));
+    constexpr int kBytes = kSmallestCopies * kDirections;
+    alignas(32) std::uint8_t bytes[kSmallestCopies * kSweepDirections];
+    StoreSmallest<kCount * kDirections>(D8(), smallest, bytes);
+    Repeat<kCount>([&](auto i) AGS_LAMBDA {
+      std::memcpy(pixel(first + decltype(i)::value), bytes + kBytes * decltype(i)::value, kBytes);
+    });
   };
   constexpr int kTogether = rowsTogether<kDirections, kPadded>();
   for (int step = begin; step < end; ++step) {
@@ -144,8 +147,7 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
     } else {
       Pixel::First(frame, course, rows[r], u, penalty_small, smallest);
     }
-    const std::uint64_t bytes = SmallestLanes<kDirections>(D8(), smallest);
-    std::memcpy(rows[r].current[u], &bytes, sizeof(bytes));
+    StoreSmallest<kDirections>(D8(), smallest, rows[r].current[u]);
     if ((rows[r].kinds[u] & kClearRest) != 0) Pixel::ClearRest(frame, rows[r].current[u]);
   };
   for (int step = begin; step < end; ++step) {

@@ -38,8 +38,7 @@ constexpr int kSweeps = 2;
 /// Directions per sweep.
 constexpr int kSweepDirections = 8;
 
-/// Bytes before a pixel's path costs; the first kSweepDirections hold the smallest cost of each
-/// direction.
+/// Bytes before a pixel's path costs, of which the first hold the smallest cost of each direction.
 constexpr int kPixelHeader = 64;
 
 /// What a pixel of a sweep needs: to aggregate 2, 4 or 8 directions; kClearRest in addition sets
