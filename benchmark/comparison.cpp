@@ -59,7 +59,6 @@ class Contestants {
   // the second counts. (The first finds other methods' data in the caches, and after one with a
   // single thread the others asleep.)
   void runRound(const std::function<void()>& step) {
-    cv::setNumThreads(threads_);
     for (std::size_t i = 0; i < plans_.size(); ++i) {
       const auto match = [&]() -> const MatchResult& {
         return matcher_->match(setting_.left, setting_.right, plans_[i].plan);
@@ -71,6 +70,7 @@ class Contestants {
       series_[i].stages.push_back(result.times);
       step();
     }
+    cv::setNumThreads(threads_);  // after ours, for it wakes OpenCV's threads
     for (std::size_t i = 0; i < peers_.size(); ++i) {
       peers_[i].match(setting_.left, setting_.right);
       const auto start = std::chrono::steady_clock::now();
