@@ -53,6 +53,7 @@ std::vector<int> Strips::divide(const PathPlan& plan, int count) {
 
 void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* stop) {
   stop_ = stop;
+  threads_ = threads;
   bands_ = (plan.row_edges[3] + kBandRows - 1) / kBandRows;
   const int per_sweep = std::clamp(plan.column_edges[3] / kNarrowest, 1, perSweep(threads));
   edges_[kDown] = divide(plan, per_sweep);
@@ -62,6 +63,7 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
   for (Strip& strip : strips_) {
     strip.stage = 0;
     strip.awaited = kNever;
+    strip.wanted = false;
   }
   if (static_cast<int>(claims_.size()) != bands_) claims_ = std::vector<std::atomic<int>>(bands_);
   for (std::atomic<int>& claim : claims_) claim = kNobody;
@@ -96,11 +98,41 @@ Strips::Need Strips::needOf(int strip) const {
 bool Strips::canGoOn(int strip) const { return !isFinished(strip) && isMet(needOf(strip)); }
 
 bool Strips::tryToTake(int strip) {
-  Strip& wanted = strips_[strip];
-  if (wanted.taken || !canGoOn(strip) || wanted.taken.exchange(true)) return false;
-  if (canGoOn(strip)) return true;
-  leave(strip);  // another thread had it in between
-  return false;
+  Strip& free = strips_[strip];
+  if (free.taken || !canGoOn(strip) || free.taken.exchange(true)) return false;
+  if (!canGoOn(strip)) {
+    leave(strip);  // another thread had it in between
+    return false;
+  }
+  free.wanted = false;
+  return true;
+}
+
+bool Strips::tryToJoin(int strip, int stage) {
+  if (perSweep() != 2 || strip % 2 != 0) return false;
+  Strip& other = strips_[strip + 1];
+  if (other.stage != stage || other.wanted || other.taken.exchange(true)) return false;
+  if (other.stage != stage) {
+    leave(strip + 1);  // another thread had it in between
+    return false;
+  }
+  other.cpu = currentCpu();
+  other.joined = true;
+  return true;
+}
+
+void Strips::release(int strip, int stage) {
+  strips_[strip].joined = false;
+  reach(strip, stage);
+  leave(strip);
+}
+
+int Strips::findJoined(int own) const {
+  for (int i = 0; i < count(); ++i) {
+    const int strip = (own + i) % count();
+    if (strips_[strip].joined) return strip;
+  }
+  return -1;
 }
 
 void Strips::leave(int strip) {
@@ -148,19 +180,24 @@ Strips::Need Strips::findHolder(int strip) const {
   return need;
 }
 
-int Strips::take(int own) {
+int Strips::take(int* own) {
   for (;;) {
     for (int i = 0; i < count(); ++i) {
-      const int strip = (own + i) % count();
+      const int strip = (*own + i) % count();
       if (tryToTake(strip)) return strip;
     }
-    // All others are in the hands of threads that will do the rest.
-    if (isFinished(own)) return -1;
-    const Need need = findHolder(own);
+    if (isFinished(*own) || strips_[*own].taken) {
+      const int joined = findJoined(*own);
+      // All others are in the hands of threads that will do the rest.
+      if (joined < 0 && isFinished(*own)) return -1;
+      if (joined >= 0) *own = joined;
+    }
+    strips_[*own].wanted = true;
+    const Need need = findHolder(*own);
     if (need.stage == 0) continue;
     // To take turns with a thread on the same core is slower than to leave it all to that one.
     if (sharesMyCpu(strips_[need.strip].cpu)) return -1;
-    sleepFor(need);
+    if (!spinUntil([&] { return canGoOn(*own); }, strips_[*own].spins)) sleepFor(need);
   }
 }
 

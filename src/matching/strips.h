@@ -1,6 +1,7 @@
 #ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_STRIPS_H
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_STRIPS_H
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <limits>
@@ -21,7 +22,8 @@ namespace adaptive_grid_stereo {
 ///
 /// The threads of one sweep have a strip of columns each, in all bands, so that nearly all path
 /// costs that one reads are those it has written, which lie in its own caches. Only those on either
-/// side of a border between strips go from one thread to another.
+/// side of a border between strips go from one thread to another. A thread that has a sweep by
+/// itself takes both of its strips as one, until another one that is out of work wants the second.
 ///
 /// A band of a strip can begin once its left neighbour has finished its strip there (the first strip
 /// if the other sweep has not begun with the band, or has finished it), and can be finished once its
@@ -40,7 +42,7 @@ class Strips {
 
   /// A band of one of the strips.
   struct Part {
-    int strip;         // of both sweeps': first those of the downward one
+    int strip;         // of both sweeps': first those of the downward one; the first of several
     int sweep;         // kDown or kUp
     int band;          // along the sweep
     int begin, end;    // the strip's steps
@@ -53,20 +55,24 @@ class Strips {
   void assign(const PathPlan& plan, int threads, const std::atomic<bool>* stop);
 
   /// Strips of each sweep for so many threads, if the image is wide enough.
-  static int perSweep(int threads) { return (threads + 1) / 2; }
+  static int perSweep(int threads) { return threads == 2 ? 2 : (threads + 1) / 2; }
+
+  /// Bands of one sweep that may be in work, or finished by not all strips, at the same time.
+  static constexpr int kOpenBands = 3;
 
   /// First steps of a sweep's strips, and the end of the last one.
   const std::vector<int>& edges(int sweep) const { return edges_[sweep]; }
   /// Strips of all sweeps.
   int count() const { return static_cast<int>(strips_.size()); }
 
-  /// Works on strips until all are finished, or are in the hands of others: on `own` as long as it
-  /// can go on. prepare(part) must need nothing of other strips; work(part, first step, end step)
+  /// Works on strips until all are finished, or are in the hands of others; thread 0 .. threads - 1
+  /// begins with its own. prepare(part) must need nothing of other strips; work(part, first step, end step)
   /// does one piece of the part's steps after the other. No two threads work on a strip at the same
   /// time. Called by any number of threads.
   template <class Prepare, class Work>
-  void run(int own, const Prepare& prepare, const Work& work) {
-    for (int strip; (strip = take(own)) >= 0;) {
+  void run(int thread, const Prepare& prepare, const Work& work) {
+    int own = thread * count() / std::min(threads_, count());
+    for (int strip; (strip = take(&own)) >= 0;) {
       do {
         runStage(strip, prepare, work);
       } while (canGoOn(strip) || waitInHand(strip));
@@ -82,6 +88,8 @@ class Strips {
   struct alignas(64) Strip {
     std::atomic<int> stage{0};  // the next one, of all bands
     std::atomic<bool> taken{false};
+    std::atomic<bool> joined{false};  // and taken together with its neighbour
+    std::atomic<bool> wanted{false};  // by a thread that has nothing else to do
     std::atomic<int> cpu{kNoCpu};  // of the thread that has taken it
     // How long that thread spins for a neighbour: less where that was in vain.
     std::atomic<int> spins{kMostSpins};
@@ -108,15 +116,19 @@ class Strips {
       // The other sweep may have begun with the band just now.
       if (!claim(strip, band) && !canGoOn(strip)) return;
     }
-    const Part part = partOf(strip, band);
+    Part part = partOf(strip, band);
     const int begin = part.begin, end = part.end;
     switch (stage % kStages) {
       case 0:
-        prepare(part);
-        if (perSweep() == 1) {
-          work(part, begin, end);
-          return reach(strip, stage + kStages);
+        if (perSweep() == 1 || tryToJoin(strip, stage)) {
+          part.end = edges(part.sweep).back();
+          prepare(part);
+          work(part, begin, part.end);
+          reach(strip, stage + kStages);
+          if (perSweep() > 1) release(strip + 1, stage + kStages);
+          return;
         }
+        prepare(part);
         work(part, begin, begin + kReach);
         break;
       case 1:
@@ -146,9 +158,16 @@ class Strips {
   bool isFinished(int strip) const { return strips_[strip].stage >= kStages * bands_; }
   bool canGoOn(int strip) const;
   bool tryToTake(int strip);
+  // Takes the other one of two strips, too, if it has come as far and nobody wants it.
+  bool tryToJoin(int strip, int stage);
+  // Leaves a strip that was joined, finished up to a stage.
+  void release(int strip, int stage);
   // Takes a strip that can go on, `own` rather than another; waits for one where that makes sense.
-  // Negative if there is no more to do for this thread.
-  int take(int own);
+  // Negative if there is no more to do for this thread. Where its own strip is finished, or in the
+  // hands of another thread, it gets one that was joined to its neighbour.
+  int take(int* own);
+  // A strip that is joined to its neighbour, the first one from `own` on; negative if there is none.
+  int findJoined(int own) const;
   void leave(int strip);
   void reach(int strip, int stage);
   // Whether what a strip in hand needs comes within a short wait.
@@ -163,6 +182,7 @@ class Strips {
   std::vector<double> work_before_;  // each column
   const std::atomic<bool>* stop_ = nullptr;
   int bands_ = 0;
+  int threads_ = 1;
 };
 
 }  // namespace adaptive_grid_stereo

@@ -52,8 +52,8 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
   frame.stream_volume = volume_size * sizeof(std::uint16_t) >= kStreamedVolume;
   threads_ = threads;
   const int strips = Strips::perSweep(threads);
-  bands_only_ = strips == 1;
-  kept_rows_ = bands_only_ ? kBandRows : height;
+  bands_only_ = threads <= 2;
+  kept_rows_ = threads == 1 ? kBandRows : threads == 2 ? kBandRows * Strips::kOpenBands : height;
   penalty_stride_ = kSweepDirections * ((static_cast<std::size_t>(width) + 63) / 64 * 64);
   workers_.resize(static_cast<std::size_t>(kSweeps) * strips);
   for (Worker& worker : workers_) worker.penalties.reserve(kBandRows * penalty_stride_);
@@ -147,7 +147,7 @@ void Sweeps::workOnPart(const Strips::Part& part, int first, int last, cv::Mat* 
   const auto pass = part.second_pass ? runSecondPass : runFirstPass;
   pass(frames_[part.sweep], worker.rows, worker.row_count, first, last);
   // A row is selected as a whole: at once, while it is in the cache, if a thread has whole rows.
-  if (!bands_only_ || !part.second_pass) return;
+  if (!bands_only_ || !part.second_pass || last < strips_.edges(part.sweep).back()) return;
   const int y = bands_[part.sweep].imageRow(part.band);
   selectRows(y, y + worker.row_count, part.sweep, &worker.buffers, disparity);
 }

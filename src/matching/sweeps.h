@@ -75,8 +75,9 @@ class Sweeps {
   PathPlan plan_;
   AlignedBuffer<std::uint16_t> volume_;
   int threads_ = 1;
-  // Whether each thread has whole rows, and so makes and uses up a band's census strings and winners
-  // while they are in the caches. Otherwise those of all rows are kept.
+  // Whether threads have whole rows (until they help each other in the end), and so make and use up
+  // a band's census strings and winners while they are in the caches. Otherwise those of all rows
+  // are kept.
   bool bands_only_ = true;
   int kept_rows_ = kBandRows;
   CensusRows census_[kSweeps];

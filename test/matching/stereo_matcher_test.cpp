@@ -62,7 +62,7 @@ TEST(StereoMatcher, givesTheSameFromThreadsThatShareACore) {
   const cv::Mat expected = alone.match(images.left, images.right, adaptive).disparity.clone();
   for (const bool one_core : {true, false}) {
     std::unique_ptr<OnOneCore> confined(one_core ? new OnOneCore : nullptr);
-    for (const int threads : {2, 3, 8}) {
+    for (const int threads : {2, 3, 4, 8}) {
       config.threads = threads;
       StereoMatcher matcher(config);
       for (int frame = 0; frame < 20; ++frame) {
