@@ -8,7 +8,8 @@
 namespace adaptive_grid_stereo {
 
 /// The bands of a sweep, counted along it. Those of both sweeps are made of the same rows of the
-/// image: the band with fewer of them, if there is one, is the last downwards and the first upwards.
+/// image: the band with fewer of them, if there is one, is the last downwards and the first
+/// upwards.
 class Bands {
  public:
   Bands() = default;

@@ -30,7 +30,7 @@ HWY_EXPORT(SweepLanes);
 int sweepLanes() { return HWY_DYNAMIC_DISPATCH(SweepLanes)(); }
 
 void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
-                   int last) {
+                  int last) {
   HWY_DYNAMIC_DISPATCH(RunFirst)(frame, rows, row_count, first, last);
 }
 

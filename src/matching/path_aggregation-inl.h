@@ -209,8 +209,9 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* to) {
   if (kCount < 8) block = hn::Min(block, hn::ShiftRightBytes<4>(d128, block));
   if (kCount < 4) block = hn::Min(block, hn::ShiftRightBytes<2>(d128, block));
 #if HWY_TARGET == HWY_AVX3_DL
-  alignas(32) static constexpr std::uint8_t kFourEach[32] = {
-      0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7};
+  alignas(32) static constexpr std::uint8_t kFourEach[32] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2,
+                                                             2, 3, 3, 3, 3, 4, 4, 4, 4, 5, 5,
+                                                             5, 5, 6, 6, 6, 6, 7, 7, 7, 7};
   const auto four_each = _mm256_load_si256(reinterpret_cast<const __m256i*>(kFourEach));
   const __m256i copies = _mm256_permutexvar_epi8(four_each, _mm256_castsi128_si256(block.raw));
   _mm256_store_si256(reinterpret_cast<__m256i*>(to), copies);

@@ -11,11 +11,11 @@
 
 namespace adaptive_grid_stereo {
 
-/// Where the path costs of a sweep's rows lie: in as little memory as their readers allow, so that it
-/// stays in the caches. A band leaves its last two rows, whole, to the next one; its other
-/// rows keep only their last few pixels, in rings. Each strip writes over what it wrote for the
-/// band before. But for pixels near a border between strips, which the neighbour may still read:
-/// there, bands take turns.
+/// Where the path costs of a sweep's rows lie: in as little memory as their readers allow, so that
+/// it stays in the caches. A band leaves its last two rows, whole, to the next one; its other rows
+/// keep only their last few pixels, in rings. Each strip writes over what it wrote for the band
+/// before. But for pixels near a border between strips, which the neighbour may still read: there,
+/// bands take turns.
 class PathRows {
  public:
   /// Makes buffers for the size and for at most so many strips where they are too small. Path costs

@@ -70,8 +70,7 @@ struct PixelSweep {
     std::uint8_t* pixel = row.current[u];
     const std::ptrdiff_t x = course.column(u);
     std::uint16_t* volume = row.volume + x * PaddedRange(frame);
-    const CensusPlaces census =
-        FindCensus(frame, row, x, course.first_column, course.census_ahead);
+    const CensusPlaces census = FindCensus(frame, row, x, course.first_column, course.census_ahead);
     ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));

@@ -55,7 +55,8 @@ HWY_ATTR void InterpolateRow(const WinnerRow& winners, int width, bool subpixel,
     const int place = static_cast<int>(lowHalf(found[x] & ~kNotUnique));
     // Of even and odd sums that are equal, the even one wins.
     const int is_odd = static_cast<int>(lowHalf(even[x])) != s;
-    const std::uint32_t beside = odd[x] ^ ((odd[x] ^ even[x]) & static_cast<std::uint32_t>(-is_odd));
+    const std::uint32_t beside =
+        odd[x] ^ ((odd[x] ^ even[x]) & static_cast<std::uint32_t>(-is_odd));
     const int b = static_cast<int>(lowHalf(beside)), a = static_cast<int>(highHalf(beside));
     const int has_offset = wanted & -((b != kNoSum) & (a != kNoSum) & (b + a > 2 * s));
     const int k = 2 * place + is_odd;
@@ -70,13 +71,11 @@ HWY_ATTR void InterpolateRow(const WinnerRow& winners, int width, bool subpixel,
 // where the right image is asked: at that pixel and at the one to its right, or else to its left,
 // where the winner's neighbour on the side of its sub-pixel disparity would be seen; `questions`
 // has the left one of the two.
-HWY_NOINLINE HWY_ATTR void FindClaims(const std::uint32_t* __restrict found,
-                                      const std::uint8_t* __restrict shift,
-                                      const std::int32_t* __restrict index,
-                                      const std::int16_t* __restrict disparity, int width,
-                                      int min_disparity, std::int32_t nowhere,
-                                      std::int32_t* __restrict place, std::int32_t* __restrict claim,
-                                      std::int32_t* __restrict question) {
+HWY_NOINLINE HWY_ATTR void FindClaims(
+    const std::uint32_t* __restrict found, const std::uint8_t* __restrict shift,
+    const std::int32_t* __restrict index, const std::int16_t* __restrict disparity, int width,
+    int min_disparity, std::int32_t nowhere, std::int32_t* __restrict place,
+    std::int32_t* __restrict claim, std::int32_t* __restrict question) {
   for (int x = 0; x < width; ++x) {
     const std::int32_t k = index[x], sum = static_cast<std::int32_t>(highHalf(found[x]));
     const std::int32_t none = -static_cast<std::int32_t>(sum == kNoSum);

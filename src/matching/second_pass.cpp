@@ -25,7 +25,7 @@ namespace adaptive_grid_stereo {
 HWY_EXPORT(RunSecond);
 
 void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
-                    int last) {
+                   int last) {
   HWY_DYNAMIC_DISPATCH(RunSecond)(frame, rows, row_count, first, last);
 }
 

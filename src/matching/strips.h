@@ -25,10 +25,10 @@ namespace adaptive_grid_stereo {
 /// side of a border between strips go from one thread to another. A thread that has a sweep by
 /// itself takes both of its strips as one, until another one that is out of work wants the second.
 ///
-/// A band of a strip can begin once its left neighbour has finished its strip there (the first strip
-/// if the other sweep has not begun with the band, or has finished it), and can be finished once its
-/// right neighbour has begun the band above: its paths reach so far and no farther. Of the strips
-/// that are not finished one can always go on.
+/// A band of a strip can begin once its left neighbour has finished its strip there (the first
+/// strip if the other sweep has not begun with the band, or has finished it), and can be finished
+/// once its right neighbour has begun the band above: its paths reach so far and no farther. Of the
+/// strips that are not finished one can always go on.
 ///
 /// Whoever has to wait for a strip that nobody works on takes it over, so a thread that gets no
 /// core is not waited for; only one that loses its core in the midst of a stage is.
@@ -42,10 +42,10 @@ class Strips {
 
   /// A band of one of the strips.
   struct Part {
-    int strip;         // of both sweeps': first those of the downward one; the first of several
+    int strip;         // of both sweeps': first those of the downward one
     int sweep;         // kDown or kUp
     int band;          // along the sweep
-    int begin, end;    // the strip's steps
+    int begin, end;    // the strip's steps, or its joined neighbour's, too
     bool second_pass;  // whether the other sweep has been there
   };
 
@@ -55,6 +55,7 @@ class Strips {
   void assign(const PathPlan& plan, int threads, const std::atomic<bool>* stop);
 
   /// Strips of each sweep for so many threads, if the image is wide enough.
+  /// (Two threads have a sweep each, and help each other in the end.)
   static int perSweep(int threads) { return threads == 2 ? 2 : (threads + 1) / 2; }
 
   /// Bands of one sweep that may be in work, or finished by not all strips, at the same time.
@@ -65,10 +66,10 @@ class Strips {
   /// Strips of all sweeps.
   int count() const { return static_cast<int>(strips_.size()); }
 
-  /// Works on strips until all are finished, or are in the hands of others; thread 0 .. threads - 1
-  /// begins with its own. prepare(part) must need nothing of other strips; work(part, first step, end step)
-  /// does one piece of the part's steps after the other. No two threads work on a strip at the same
-  /// time. Called by any number of threads.
+  /// Works on strips until all are finished, or are in the hands of others; each of the threads
+  /// 0 .. threads - 1 begins with its own. prepare(part) must need nothing of other strips;
+  /// work(part, first step, end step) does one piece of the part's steps after the other. No two
+  /// threads work on a strip at the same time. Called by any number of threads.
   template <class Prepare, class Work>
   void run(int thread, const Prepare& prepare, const Work& work) {
     int own = thread * count() / std::min(threads_, count());
@@ -90,7 +91,7 @@ class Strips {
     std::atomic<bool> taken{false};
     std::atomic<bool> joined{false};  // and taken together with its neighbour
     std::atomic<bool> wanted{false};  // by a thread that has nothing else to do
-    std::atomic<int> cpu{kNoCpu};  // of the thread that has taken it
+    std::atomic<int> cpu{kNoCpu};     // of the thread that has taken it
     // How long that thread spins for a neighbour: less where that was in vain.
     std::atomic<int> spins{kMostSpins};
     // Of threads that sleep: how many, and the lowest stage that one of them waits for.
@@ -166,7 +167,8 @@ class Strips {
   // Negative if there is no more to do for this thread. Where its own strip is finished, or in the
   // hands of another thread, it gets one that was joined to its neighbour.
   int take(int* own);
-  // A strip that is joined to its neighbour, the first one from `own` on; negative if there is none.
+  // A strip that is joined to its neighbour, the first one from `own` on; negative if there is
+  // none.
   int findJoined(int own) const;
   void leave(int strip);
   void reach(int strip, int stage);

@@ -36,8 +36,7 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
   using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
   constexpr int kBits = keyBits<kDirections, kPadded>();
   const Course course(frame);
-  WinnerSearch<kPadded, kPlace, kBits, kSecondPass, true> search(frame, course, rows,
-                                                                          row_count);
+  WinnerSearch<kPadded, kPlace, kBits, kSecondPass, true> search(frame, course, rows, row_count);
   const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
   const auto sweepTogether = [&](auto count, int first, int step) AGS_LAMBDA {
     constexpr int kCount = decltype(count)::value;
@@ -134,7 +133,7 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
                                       int begin, int end) {
   const Course course(frame);
   WinnerSearch<kPadded, kPlace, kBlockBits, kSecondPass, false> search(frame, course, rows,
-                                                                                row_count);
+                                                                       row_count);
   const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
   const auto sweepPixel = [&](auto directions, int r, int step) AGS_LAMBDA {
     const int u = step - kBandLag * r;
@@ -253,7 +252,7 @@ HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_c
     if (run.uniform) {
       const int lag = kBandLag * run.rows.first;
       SweepPixels<kSecondPass>(frame, rows + run.rows.first, run.rows.count(), run.kind, run.inner,
-                                step - lag, end - lag);
+                               step - lag, end - lag);
     } else {
       SweepMixedPixels<kSecondPass>(frame, rows, row_count, run.inner, step, end);
     }

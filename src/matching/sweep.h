@@ -61,14 +61,14 @@ using PathRow = std::uint8_t* const*;
 /// The winners of a row's pixels, in halves of 16 bits, [x]. What they mean is told apart later, by
 /// vectors: for every pixel by itself it would take longer.
 struct WinnerRow {
-  /// Low: place of the winner's sum of path costs among those of the even or the odd disparities, or
-  /// kNoWinner; | kNotUnique. High: the sum.
+  /// Low: place of the winner's sum of path costs among those of the even or the odd disparities,
+  /// or kNoWinner; | kNotUnique. High: the sum.
   std::uint32_t* found;
   /// The odd disparities' sums before that place (low) and at it (high): those on either side of an
   /// even winner. kNoSum outside of the candidates.
   std::uint32_t* odd;
-  /// The even disparities' sums at that place (low) and behind it (high): those on either side of an
-  /// odd winner. The winner is even if the first one is its sum.
+  /// The even disparities' sums at that place (low) and behind it (high): those on either side of
+  /// an odd winner. The winner is even if the first one is its sum.
   std::uint32_t* even;
 };
 constexpr std::uint32_t kNoWinner = 0xFFFF;
@@ -135,7 +135,8 @@ void orderedCensusRow(const PaddedImage& image, bool mirrored, int y, CensusWind
 
 /// Run steps [first, last) of one band of `row_count` <= kBandRows rows. At step s row r is at
 /// pixel s - kBandLag * r; the band is complete with steps 0 to width + kBandLag * (row_count - 1).
-void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first, int last);
+void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
+                  int last);
 void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
                    int last);
 

@@ -192,8 +192,7 @@ SweepRow Sweeps::makeRow(int sweep, int band, int index) {
   const SweepFrame& frame = frames_[sweep];
   const int v = bands_[sweep].firstRow(band) + index;
   const int y = sweep == kUp ? frame.height - 1 - v : v;
-  const std::size_t row_volume =
-      static_cast<std::size_t>(frame.width) * frame.layout.padded_range;
+  const std::size_t row_volume = static_cast<std::size_t>(frame.width) * frame.layout.padded_range;
   SweepRow row{};
   row.kinds = kinds_[sweep].row(v);
   row.kind_ends = kinds_[sweep].ends(v);

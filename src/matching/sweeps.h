@@ -28,8 +28,8 @@ struct SweepImages {
   const PaddedImage* right_mirrored = nullptr;
 };
 
-/// Census transform and the two sweeps over an image, band by band; the threads share them as Strips
-/// tells. Owns the volume that the sweeps leave to each other.
+/// Census transform and the two sweeps over an image, band by band; the threads share them as
+/// Strips tells. Owns the volume that the sweeps leave to each other.
 class Sweeps {
  public:
   /// Makes buffers for the size and range where they are too small.
@@ -59,7 +59,8 @@ class Sweeps {
   void workOnPart(const Strips::Part& part, int first, int last, cv::Mat* disparity);
   void selectRows(int first, int last, int set, RowBuffers* buffers, cv::Mat* disparity);
   SweepRow makeRow(int sweep, int band, int index);
-  void fillPenalties(const SweepImages& images, const Strips::Part& part, int index, Worker* worker);
+  void fillPenalties(const SweepImages& images, const Strips::Part& part, int index,
+                     Worker* worker);
   // Fetches what a row's second pass reads of the volume first, from pixel u on.
   void fetchVolume(const SweepRow& row, const SweepFrame& frame, int u) const;
   WinnerRow winnersOf(int set, int y);

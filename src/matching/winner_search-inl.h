@@ -115,8 +115,8 @@ class WinnerSearch {
         return PutNoWinner(winners_[r], x);
       }
       const int place = PlaceOfKey<kBits, kPadded>(key, keys_[slot][r]);
-      PutWinner(sums_[slot][r], PaddedRange(frame), place, std::uint32_t{key} >> kBits,
-                winners_[r], x);
+      PutWinner(sums_[slot][r], PaddedRange(frame), place, std::uint32_t{key} >> kBits, winners_[r],
+                x);
     });
     if (frame.uniqueness_factor == 0) return;
     for (int r = first; r < first + count; ++r) {

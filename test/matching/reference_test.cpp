@@ -80,17 +80,17 @@ TEST_F(ReferenceTest, columnsSharedByThreads) {
   expectReference(texturedPair(331, 17, 13, 5, 2), uniformPlan(331, 17, 8), config_);
 }
 
-// The rows that do not fill a band are the last ones of the downward sweep and the first ones of the
-// upward one; wherever the two meet, they must be at the same rows.
+// The rows that do not fill a band are the last ones of the downward sweep and the first ones of
+// the upward one; wherever the two meet, they must be at the same rows.
 TEST_F(ReferenceTest, rowsSharedByThreads) {
   for (const int height : {16, 17, 18, 19, 53, 54, 55}) {
     for (const int width : {90, 150}) {
       const ImagePair images = texturedPair(width, height, 13, 5, height);
       const int w = width, h = height;
       expectReference(images, uniformPlan(w, h, 16), config_);
-      expectReference(images,
-                      plan({0, w / 3, w - w / 3, w}, {0, 1, h - 3, h}, {4, 8, 4, 8, 16, 8, 16, 4, 8}),
-                      config_);
+      expectReference(
+          images, plan({0, w / 3, w - w / 3, w}, {0, 1, h - 3, h}, {4, 8, 4, 8, 16, 8, 16, 4, 8}),
+          config_);
     }
   }
 }
