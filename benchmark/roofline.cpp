@@ -24,6 +24,7 @@ HWY_INLINE void AggregatePixel(const SweepRow& row, int u, V8 cost_of_all, V8 pe
     ByteSums sums[1];
     AggregateVectors<kSweepDirections, 1, kRange>(row, u, pixel, kRange, &cost_of_all, k,
                                                   penalty_small, smallest, sums);
+    sums[0].Finish();
     // The sums go where the smallest costs of no direction are, so that they are not optimised
     // away.
     hn::Store(hn::BitCast(d, hn::Xor(sums[0].even, sums[0].odd)), d,

@@ -27,11 +27,32 @@ constexpr bool kPlainCpp = HWY_TARGET == HWY_SCALAR;
 // Constructors, because Arm's vectors have one that must be inlined, which only functions with the
 // target's attributes can do.
 
-// Sums of bytes in 16 bits, of the even and of the odd disparities apart.
+// Sums of transitions in 16 bits, of the even and of the odd disparities apart. They come as the
+// sums of two directions, which fit a byte; until Finish(), `even` gathers even + 256 * odd modulo
+// 65536.
 struct ByteSums {
   HWY_ATTR ByteSums() {}
   HWY_ATTR ByteSums(V16 even_sums, V16 odd_sums) : even(even_sums), odd(odd_sums) {}
+  template <bool kFirst>
+  HWY_INLINE void AddPair(V8 pair) {
+    const V16 both = hn::BitCast(D16(), pair), high = hn::ShiftRight<8>(both);
+    even = kFirst ? both : hn::Add(even, both);
+    odd = kFirst ? high : hn::Add(odd, high);
+  }
+  HWY_INLINE void Finish() { even = hn::Sub(even, hn::ShiftLeft<8>(odd)); }
   V16 even, odd;
+};
+
+// The sum of two such pairs modulo 256, and the second one, by which to tell whether the sum is
+// larger.
+struct LowSums {
+  HWY_ATTR LowSums() {}
+  template <bool kFirst>
+  HWY_INLINE void AddPair(V8 pair) {
+    low = kFirst ? pair : hn::Add(low, pair);
+    last = pair;
+  }
+  V8 low, last;
 };
 
 // The pixel that direction r comes from. Directions are in the order of the plan: the first two
@@ -221,14 +242,13 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* to) {
 #endif
 }
 
-// The path costs of `kVectors` vectors of disparities from index k on, for all directions; returns
-// the sums of the transitions (the matching cost is added later, once for all directions). Those of
-// two directions are bytes, and stay together in `even`. kPadded: the padded range where it is
-// known at compile time, else 0.
-template <int kDirections, int kVectors, int kPadded>
+// The path costs of `kVectors` vectors of disparities from index k on, for all directions; adds the
+// transitions to the sums, which are not finished then. (The matching cost is added later, once for
+// all directions.) kPadded: the padded range where it is known at compile time, else 0.
+template <int kDirections, int kVectors, int kPadded, class Sums>
 HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel, int padded_range,
                                  const V8* cost, int k, V8 penalty_small, V8* smallest,
-                                 ByteSums* sums) {
+                                 Sums* sums) {
   const D8 d;
   const D16 d16;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -256,20 +276,9 @@ HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel
       hn::Store(cost_b, d, path_b.to + at);
       smallest[kA] = at == 0 ? cost_a : hn::Min(smallest[kA], cost_a);
       smallest[kB] = at == 0 ? cost_b : hn::Min(smallest[kB], cost_b);
-      // Two transitions fit a byte. Their sums: `even` gathers even + 256 * odd modulo 65536.
-      const V16 pair = hn::BitCast(d16, hn::Add(a, b));
-      if constexpr (kDirections == 2) {
-        sums[i].even = pair;
-        return;
-      }
-      const V16 high = hn::ShiftRight<8>(pair);
-      sums[i].even = kA == 0 ? pair : hn::Add(sums[i].even, pair);
-      sums[i].odd = kA == 0 ? high : hn::Add(sums[i].odd, high);
+      sums[i].template AddPair<kA == 0>(hn::Add(a, b));
     });
   });
-  for (int i = 0; kDirections > 2 && i < kVectors; ++i) {
-    sums[i].even = hn::Sub(sums[i].even, hn::ShiftLeft<8>(sums[i].odd));
-  }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -66,14 +66,15 @@ class PenaltyTable {
 #endif
 
 HWY_ATTR void PenaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous,
-                         int directions, int begin, int end, const std::uint8_t* table,
-                         std::uint8_t* penalties) {
+                         const std::uint8_t* directions, int begin, int end,
+                         const std::uint8_t* table, std::uint8_t* penalties) {
   const D8 d;
   const PenaltyTable penalty_of(table);
   const int lanes = static_cast<int>(hn::Lanes(d));
   for (int u = begin; u < end; u += lanes) {
     const V8 grey = hn::LoadU(d, current + u);
-    for (int r = 0; r < directions; ++r) {
+    const int count = directions[u / kPenaltyBlock];
+    for (int r = 0; r < count; ++r) {
       const V8 other = hn::LoadU(d, previous[r] + u);
       const V8 step = hn::Sub(hn::Max(grey, other), hn::Min(grey, other));
       hn::Store(penalty_of.At(step), d, penalties + penaltyPlace(u, r));
@@ -89,8 +90,9 @@ HWY_AFTER_NAMESPACE();
 namespace adaptive_grid_stereo {
 HWY_EXPORT(PenaltyRow);
 
-void penaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous, int directions,
-                int begin, int end, const std::uint8_t* table, std::uint8_t* penalties) {
+void penaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous,
+                const std::uint8_t* directions, int begin, int end, const std::uint8_t* table,
+                std::uint8_t* penalties) {
   HWY_DYNAMIC_DISPATCH(PenaltyRow)(current, previous, directions, begin, end, table, penalties);
 }
 

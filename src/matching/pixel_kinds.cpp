@@ -49,15 +49,17 @@ void PixelKinds::assign(const PathPlan& original, bool upward) {
   ends_.clear();
   directions_.clear();
   table_of_row_.resize(height);
+  blocks_ = (width + kPenaltyBlock - 1) / kPenaltyBlock;
   std::map<Reach, int> known;
   for (int v = 0; v < height; ++v) {
     const Reach rows = reachOf(plan.row_edges, v);
-    const auto inserted = known.emplace(rows, static_cast<int>(directions_.size()));
+    const auto inserted = known.emplace(rows, static_cast<int>(known.size()));
     table_of_row_[v] = inserted.first->second;
     if (!inserted.second) continue;
     tables_.resize(tables_.size() + stride_, kOutside);
     std::uint8_t* kinds = tables_.data() + tables_.size() - stride_ + kPathMargin;
-    int most = 0;
+    directions_.resize(directions_.size() + blocks_, 0);
+    std::uint8_t* most = directions_.data() + directions_.size() - blocks_;
     for (int u = 0; u < width; ++u) {
       const Reach columns = reachOf(plan.column_edges, u);
       const int paths = plan.paths[3 * rows.cell + columns.cell];
@@ -68,9 +70,9 @@ void PixelKinds::assign(const PathPlan& original, bool upward) {
         }
       }
       kinds[u] = static_cast<std::uint8_t>(kindOf(paths) | (most_near > paths ? kClearRest : 0));
-      most = std::max(most, paths);
+      std::uint8_t& of_block = most[u / kPenaltyBlock];
+      of_block = std::max(of_block, static_cast<std::uint8_t>(paths / 2));
     }
-    directions_.push_back(most / 2);
     ends_.resize(tables_.size());
     int* ends = ends_.data() + ends_.size() - stride_ + kPathMargin;
     int next = width + kPathMargin;

@@ -29,14 +29,18 @@ class PixelKinds {
     return ends_.data() + static_cast<std::size_t>(table_of_row_[v]) * stride_ + kPathMargin;
   }
 
-  /// Largest number of directions of any pixel of row v: 2, 4 or 8.
-  int directions(int v) const { return directions_[table_of_row_[v]]; }
+  /// Largest number of directions of any pixel of each block of kPenaltyBlock ones of row v: 2, 4
+  /// or 8.
+  const std::uint8_t* directions(int v) const {
+    return directions_.data() + table_of_row_[v] * static_cast<std::size_t>(blocks_);
+  }
 
  private:
   std::size_t stride_ = 0;
   std::vector<std::uint8_t> tables_;
   std::vector<int> ends_;
-  std::vector<int> directions_;
+  int blocks_ = 0;
+  std::vector<std::uint8_t> directions_;
   std::vector<int> table_of_row_;
 };
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 #include "src/matching/disparity_selection-inl.h"
 #include "src/matching/matching_cost-inl.h"
@@ -24,6 +25,11 @@ constexpr int kMaxRange = 512;
 // the rest.
 constexpr int kCostBits = 6;
 constexpr std::uint16_t kCostMask = 63;
+
+// Where the sum of four transitions is larger than a byte, in the byte of the matching cost.
+constexpr std::uint8_t kSumBit = 64;
+static_assert(2 * kCostMask + kSumBit < 256, "a cost and a marked cost must fit a byte");
+static_assert(4 * kLargestPenalty < 512, "one bit more than a byte must be enough");
 
 }  // namespace adaptive_grid_stereo
 #endif  // AGS_SWEEP_SHARED
@@ -83,7 +89,7 @@ struct PixelSweep {
           cost[i] = EndCosts(frame, at, BorderCosts(frame, census, at));
         }
       }
-      ByteSums sums[kVectors];
+      std::conditional_t<kDirections == 4, LowSums, ByteSums> sums[kVectors];
       AggregateVectors<kDirections, kVectors, kPadded>(row, u, pixel, PaddedRange(frame), cost, k,
                                                        penalty_small, smallest, sums);
       for (int i = 0; i < kVectors; ++i) Pack(frame, cost[i], sums[i], volume + k + i * lanes);
@@ -115,6 +121,7 @@ struct PixelSweep {
                                                        penalty_small, smallest, part);
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
+        if (kDirections == 8) part[i].Finish();
         AddFirstPass(volume + at, &part[i]);
         if (kPlace == Place::kInner) DropSumsBeyond(frame.layout.range, at, &part[i]);
         if (kPlace == Place::kBorder) KeepCandidates(candidates, at, &part[i]);
@@ -162,17 +169,32 @@ struct PixelSweep {
     for (; k < padded; k += lanes) f(One(), k);
   }
 
-  // Sums and costs of a vector, for the second pass: side by side in 16 bits, or, where the sums
-  // fit bytes, one after the other.
-  static HWY_INLINE void Pack(const SweepFrame& frame, V8 cost, const ByteSums& sums,
+  // Sums and costs of a vector, for the second pass: side by side in 16 bits; of fewer paths one
+  // after the other, where the sum fits a byte, or needs but one bit of the cost's byte.
+  static HWY_INLINE void Pack(const SweepFrame& frame, V8 cost, ByteSums sums,
                               std::uint16_t* volume) {
     const D16 d;
     if constexpr (kDirections == 2) return Put(frame, sums.even, hn::BitCast(d, cost), volume);
+    sums.Finish();
     const V16 cost16 = hn::BitCast(d, cost);
     const V16 even =
         hn::Or(hn::ShiftLeft<kCostBits>(sums.even), hn::And(cost16, hn::Set(d, kCostMask)));
     const V16 odd = hn::Or(hn::ShiftLeft<kCostBits>(sums.odd), hn::ShiftRight<8>(cost16));
     Put(frame, even, odd, volume);
+  }
+
+  static HWY_INLINE void Pack(const SweepFrame& frame, V8 cost, const LowSums& sums,
+                              std::uint16_t* volume) {
+    const D8 d;
+    const V8 bit = hn::Set(d, kSumBit);
+#if HWY_TARGET == HWY_AVX3_DL
+    const __mmask64 larger = _mm512_cmplt_epu8_mask(sums.low.raw, sums.last.raw);
+    const V8 marked{_mm512_mask_add_epi8(cost.raw, larger, cost.raw, bit.raw)};
+#else
+    const auto smaller = hn::Eq(hn::Max(sums.low, sums.last), sums.low);
+    const V8 marked = hn::IfThenElse(smaller, cost, hn::Or(cost, bit));
+#endif
+    Put(frame, hn::BitCast(D16(), sums.low), hn::BitCast(D16(), marked), volume);
   }
 
   static HWY_INLINE void Put(const SweepFrame& frame, V16 first, V16 second,
@@ -197,10 +219,16 @@ struct PixelSweep {
     const D16 d16;
     const V16 second = hn::Load(d16, volume + k + hn::Lanes(d16));
     if constexpr (kDirections == 2) return hn::BitCast(d, second);
+    if constexpr (kDirections == 4) return EndCosts(frame, k, CostOf(hn::BitCast(d, second)));
     const V16 mask = hn::Set(d16, kCostMask);
     const V16 even = hn::And(hn::Load(d16, volume + k), mask), odd = hn::And(second, mask);
     const V8 cost = hn::BitCast(d, hn::Or(even, hn::ShiftLeft<8>(odd)));
     return EndCosts(frame, k, cost);
+  }
+
+  // Without the bit of the sum.
+  static HWY_INLINE V8 CostOf(V8 marked) {
+    return hn::And(marked, hn::Set(D8(), static_cast<std::uint8_t>(kCostMask)));
   }
 
   // Beyond the range the cost is 255 (which the volume has no room for).
@@ -223,6 +251,18 @@ struct PixelSweep {
       sums->odd = hn::Add(hn::Add(hn::ShiftRight<8>(sums->even), hn::ShiftRight<8>(first)),
                           hn::ShiftLeft<kLogPaths>(hn::ShiftRight<8>(cost)));
       sums->even = hn::Sub(pair, hn::ShiftLeft<8>(sums->odd));
+      return;
+    }
+    if constexpr (kDirections == 4) {
+      // Eight times the cost and 256 times the bit are four times the cost and the marked cost.
+      const V16 first = hn::Load(d, volume);
+      const V8 marked = hn::BitCast(D8(), hn::Load(d, volume + hn::Lanes(d)));
+      const V16 quarter = hn::BitCast(d, hn::Add(marked, CostOf(marked)));
+      const V16 high_bytes = hn::Set(d, std::uint16_t{0xFF << 2});
+      sums->even = hn::Add(hn::Add(sums->even, first), hn::ShiftLeft<2>(quarter));
+      sums->odd = hn::Add(hn::Add(sums->odd, hn::ShiftRight<8>(first)),
+                          hn::And(hn::ShiftRight<6>(quarter), high_bytes));
+      sums->Finish();
       return;
     }
     const auto add = [&](V16 sum, V16 packed) AGS_LAMBDA {

@@ -77,11 +77,13 @@ constexpr std::uint32_t lowHalf(std::uint32_t halves) { return halves & 0xFFFF; 
 constexpr std::uint32_t highHalf(std::uint32_t halves) { return halves >> 16; }
 constexpr std::uint16_t kNoSum = 0xFFFF;
 
-/// Where P2 of a pixel and direction stands in its row: blocks of 64 pixels, direction by
-/// direction, so that it is written by vectors and read at fixed distances.
+/// Where P2 of a pixel and direction stands in its row: blocks of pixels, direction by direction,
+/// so that it is written by vectors and read at fixed distances.
+constexpr int kPenaltyBlock = 64;
 constexpr std::size_t penaltyPlace(int u, int direction) {
+  constexpr std::size_t kBlock = kPenaltyBlock;
   const std::size_t pixel = static_cast<std::size_t>(u);
-  return (pixel & ~std::size_t{63}) * kSweepDirections + (pixel & 63) + 64 * direction;
+  return (pixel & ~(kBlock - 1)) * kSweepDirections + (pixel & (kBlock - 1)) + kBlock * direction;
 }
 
 /// Bytes of a census string, whatever the window.
@@ -142,10 +144,12 @@ void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count,
 
 /// P2 of eq. 7 for pixels [begin, end) of a row and each direction: penalties[penaltyPlace(u, r)]
 /// is the entry of `table` (256, falling) for the grey-level step between current[u] and
-/// previous[r][u]. Only the first `directions` (2, 4 or 8) are needed. `begin` must be a multiple
-/// of 64. May write up to a vector's pixels beyond `end`, and read as many.
-void penaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous, int directions,
-                int begin, int end, const std::uint8_t* table, std::uint8_t* penalties);
+/// previous[r][u]. Of each block of kPenaltyBlock pixels only the first `directions` (2, 4 or 8)
+/// are needed. `begin` must be a block's. May write up to a vector's pixels beyond `end`, and read
+/// as many.
+void penaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous,
+                const std::uint8_t* directions, int begin, int end, const std::uint8_t* table,
+                std::uint8_t* penalties);
 
 }  // namespace adaptive_grid_stereo
 

@@ -54,7 +54,7 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
   const int strips = Strips::perSweep(threads);
   bands_only_ = threads <= 2;
   kept_rows_ = threads == 1 ? kBandRows : threads == 2 ? kBandRows * Strips::kOpenBands : height;
-  penalty_stride_ = kSweepDirections * ((static_cast<std::size_t>(width) + 63) / 64 * 64);
+  penalty_stride_ = penaltyPlace((width + kPenaltyBlock - 1) / kPenaltyBlock * kPenaltyBlock, 0);
   workers_.resize(static_cast<std::size_t>(kSweeps) * strips);
   for (Worker& worker : workers_) worker.penalties.reserve(kBandRows * penalty_stride_);
   for (const int sweep : {kDown, kUp}) {
@@ -167,7 +167,7 @@ void Sweeps::fillPenalties(const SweepImages& images, const Strips::Part& part, 
     previous[r] = pixels(v - kStep[r][1]) - kStep[r][0];
   }
   std::uint8_t* target = worker->penalties.data() + index * penalty_stride_;
-  const int begin = std::max(0, part.begin - kBandLag * index) & ~63;
+  const int begin = std::max(0, part.begin - kBandLag * index) & ~(kPenaltyBlock - 1);
   const int end = std::min(frame.width, part.end - kBandLag * index);
   penaltyRow(pixels(v), previous, kinds_[part.sweep].directions(v), begin, end, penalty_table_,
              target);
