@@ -107,9 +107,10 @@ constexpr CountOrder makeCountOrder() {
   for (int t = 0; t < 8; ++t) {
     for (int i = 0; i < 64; ++i) {
       const int vector = (t + i) / 8, count = (t + i) % 8;
-      // Packing leaves two counts of either vector of a pair in each block of 16 bytes; pairs are
-      // laid into each other byte by byte.
-      const int laid = 16 * (count / 2) + 8 * (vector % 2) + 4 * (count % 2) + vector / 2;
+      // Packing leaves two counts of either vector of a pair in each block of 16 bytes; two pairs
+      // are laid into each other byte by byte, and two of these packed again.
+      const int pair = vector / 2, in_pair = 2 * (vector % 2) + count % 2;
+      const int laid = 16 * (count / 2) + 8 * (pair / 2) + 2 * in_pair + pair % 2;
       order.from[t][i] = static_cast<std::uint8_t>(vector < 8 ? laid : 64 + 8 * count);
     }
   }
@@ -121,7 +122,6 @@ static constexpr CountOrder kCountOrder = makeCountOrder();
 HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(CensusWindow,
                                                                    const CensusPlaces& at, int k) {
   const hn::ScalableTag<std::uint64_t> d;
-  const hn::Repartition<std::uint32_t, decltype(d)> d32;
   // Strings are counted from a cache line's begin on.
   const std::uintptr_t right = reinterpret_cast<std::uintptr_t>(at.right + kCensusBytes * k);
   const std::uint64_t* from = reinterpret_cast<const std::uint64_t*>(right & ~std::uintptr_t{63});
@@ -131,15 +131,17 @@ HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(CensusWindow,
   const auto count = [&](int i) AGS_LAMBDA {
     return hn::PopulationCount(hn::Xor(left, hn::Load(d, from + 8 * i)));
   };
-  // Packing takes another of the CPU's ports than shifting.
-  const auto pair = [&](int i) AGS_LAMBDA {
-    return hn::Vec<decltype(d32)>{_mm512_packus_epi32(count(i).raw, count(i + 1).raw)};
+  // Packing takes another of the CPU's ports than multiplying, which shifts and adds at once.
+  const auto pair = [&](int i)
+                        AGS_LAMBDA { return _mm512_packus_epi32(count(i).raw, count(i + 1).raw); };
+  const __m512i second_byte = _mm512_set1_epi32(1 << 8);
+  const auto twoPairs = [&](int i) AGS_LAMBDA {
+    return _mm512_dpwssd_epi32(pair(i), pair(i + 2), second_byte);
   };
-  const auto three = hn::Or3(pair(0), hn::ShiftLeft<8>(pair(2)), hn::ShiftLeft<16>(pair(4)));
-  const auto counts = hn::Or(three, hn::ShiftLeft<24>(pair(6)));
+  const __m512i counts = _mm512_packus_epi32(twoPairs(0), twoPairs(4));
   const auto rest = count(8);
   const __m512i order = _mm512_load_si512(kCountOrder.from[right / kCensusBytes % 8]);
-  return {_mm512_permutex2var_epi8(counts.raw, order, rest.raw)};
+  return {_mm512_permutex2var_epi8(counts, order, rest.raw)};
 }
 
 #else

@@ -110,7 +110,7 @@ struct PixelSweep {
     Prefetch(frame, volume + course.volume_ahead);
     std::uint16_t* odd_sums = OddSums(sums, PaddedRange(frame));
     const Candidates candidates = FindCandidates(frame, static_cast<int>(x));
-    V16 best = hn::Set(d16, kNoSum);
+    V16 best = hn::Zero(d16);
     ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));
@@ -128,7 +128,8 @@ struct PixelSweep {
         hn::Store(part[i].even, d16, sums + at / 2);
         hn::Store(part[i].odd, d16, odd_sums + at / 2);
         if (kPlace != Place::kLongRange) {
-          best = hn::Min(best, SearchKeys<kBits>(part[i], at / lanes));
+          const V16 of_block = SearchKeys<kBits>(part[i], at / lanes);
+          best = at == 0 ? of_block : hn::Min(best, of_block);
         }
       }
     });
@@ -247,9 +248,11 @@ struct PixelSweep {
     if constexpr (kDirections == 2) {
       // As in AggregateVectors: the sum of the pairs is even + 256 * odd modulo 65536.
       const V16 first = hn::Load(d, volume), cost = hn::Load(d, volume + hn::Lanes(d));
-      const V16 pair = hn::Add(hn::Add(sums->even, first), hn::ShiftLeft<kLogPaths>(cost));
+      // Four times a cost still fits a byte.
+      const V16 costs = hn::ShiftLeft<kLogPaths>(cost);
+      const V16 pair = hn::Add(hn::Add(sums->even, first), costs);
       sums->odd = hn::Add(hn::Add(hn::ShiftRight<8>(sums->even), hn::ShiftRight<8>(first)),
-                          hn::ShiftLeft<kLogPaths>(hn::ShiftRight<8>(cost)));
+                          hn::ShiftRight<8>(costs));
       sums->even = hn::Sub(pair, hn::ShiftLeft<8>(sums->odd));
       return;
     }
