@@ -250,7 +250,6 @@ HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel
                                  const V8* cost, int k, V8 penalty_small, V8* smallest,
                                  Sums* sums) {
   const D8 d;
-  const D16 d16;
   const int lanes = static_cast<int>(hn::Lanes(d));
   Repeat<kDirections / 2>([&](auto pair_of) AGS_LAMBDA {
     constexpr int kA = 2 * decltype(pair_of)::value, kB = kA + 1;
