@@ -32,7 +32,8 @@ class Contract : public testing::Test {
   }
 
   /// Publishes motion and a pair until the node's answer has motion_valid as expected: images and
-  /// motion come by different connections, so that a pair may overtake its motion.
+  /// motion come by different connections, so that a pair may overtake its motion. Each attempt gives
+  /// the motion more of a start.
   GridStateConstPtr fly(Listener<GridState>& grid_state, double speed, double yaw_rate,
                         bool expected_valid) {
     GridStateConstPtr message;
@@ -41,6 +42,7 @@ class Contract : public testing::Test {
       ros::Time stamp;
       for (int i = 0; i < 30; ++i) stamp = stamps().next();
       aircraft_.publishMotion(stamp, speed, yaw_rate);
+      ros::WallDuration(0.01 * attempt).sleep();
       aircraft_.publish(makePair(SyntheticRig(), 5, stamp));
       message = grid_state.waitForStamp(stamp);
       if (!message || static_cast<bool>(message->motion_valid) == expected_valid) break;
