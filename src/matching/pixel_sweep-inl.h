@@ -43,22 +43,21 @@ namespace hn = AGS_SIMD;
 // kBorder, with more disparities than one search for the winner can take.
 enum class Place { kInner, kBorder, kLongRange };
 
-// Which way a sweep goes through the image. (A copy, since stores of path costs, which are bytes,
+// A sweep's course, and what depends on it. (A copy, since stores of path costs, which are bytes,
 // would make compilers load the frame's members anew for every pixel.)
-struct Course {
-  HWY_INLINE explicit Course(const SweepFrame& frame)
-      : flip(frame.flip),
-        origin(frame.origin),
+struct PixelCourse : Course {
+  HWY_INLINE explicit PixelCourse(const SweepFrame& frame)
+      : Course(frame.course),
         first_column(frame.width - 1 + frame.min_disparity),
-        census_ahead(frame.along(kCensusAhead)),
-        volume_ahead(frame.along(kVolumeAhead) * frame.layout.padded_range) {}
-  HWY_INLINE std::ptrdiff_t column(std::ptrdiff_t u) const { return (u ^ flip) + origin; }
-  HWY_INLINE std::ptrdiff_t along(std::ptrdiff_t steps) const { return (steps ^ flip) - flip; }
+        census_ahead(along(kCensusAhead)),
+        volume_ahead(along(kVolumeAhead) * frame.layout.padded_range) {}
 
   // How far ahead hardware is helped to fetch the volume, above all where a sweep goes down through
   // memory [px].
   static constexpr int kVolumeAhead = 4;
-  std::ptrdiff_t flip, origin, first_column, census_ahead, volume_ahead;
+  std::ptrdiff_t first_column;  // of pixel 0's first disparity in the mirrored row
+  std::ptrdiff_t census_ahead;  // [bytes]
+  std::ptrdiff_t volume_ahead;  // [numbers]
 };
 
 // A pixel's work, specialised: kDirections 2, 4 or 8; kPadded the padded range if known at compile
@@ -70,8 +69,8 @@ struct PixelSweep {
   }
   // Costs, first half of the paths, volume. penalty_small: P1 in all lanes. `smallest` receives the
   // smallest path costs of the directions, one in the lanes of each.
-  static HWY_INLINE void First(const SweepFrame& frame, const Course& course, const SweepRow& row,
-                               int u, V8 penalty_small, V8* smallest) {
+  static HWY_INLINE void First(const SweepFrame& frame, const PixelCourse& course,
+                               const SweepRow& row, int u, V8 penalty_small, V8* smallest) {
     const D8 d;
     std::uint8_t* pixel = row.current[u];
     const std::ptrdiff_t x = course.column(u);
@@ -99,9 +98,9 @@ struct PixelSweep {
   // Second half of the paths, sums; tells the smallest key of each lane for the winner's search,
   // or, if kLongRange, the winner itself. kBits: of a key below the sum.
   template <int kBits>
-  static HWY_INLINE void Second(const SweepFrame& frame, const Course& course, const SweepRow& row,
-                                int u, V8 penalty_small, V8* smallest, std::uint16_t* sums,
-                                std::uint16_t* keys) {
+  static HWY_INLINE void Second(const SweepFrame& frame, const PixelCourse& course,
+                                const SweepRow& row, int u, V8 penalty_small, V8* smallest,
+                                std::uint16_t* sums, std::uint16_t* keys) {
     const D8 d;
     const D16 d16;
     const std::ptrdiff_t x = course.column(u);
@@ -244,32 +243,27 @@ struct PixelSweep {
   // Adds what the first pass left, and the matching cost once for every path of both.
   static HWY_INLINE void AddFirstPass(const std::uint16_t* volume, ByteSums* sums) {
     const D16 d;
-    constexpr int kLogPaths = kDirections == 2 ? 2 : kDirections == 4 ? 3 : 4;
     if constexpr (kDirections == 2) {
-      // As in AggregateVectors: the sum of the pairs is even + 256 * odd modulo 65536.
-      const V16 first = hn::Load(d, volume), cost = hn::Load(d, volume + hn::Lanes(d));
       // Four times a cost still fits a byte.
-      const V16 costs = hn::ShiftLeft<kLogPaths>(cost);
-      const V16 pair = hn::Add(hn::Add(sums->even, first), costs);
-      sums->odd = hn::Add(hn::Add(hn::ShiftRight<8>(sums->even), hn::ShiftRight<8>(first)),
-                          hn::ShiftRight<8>(costs));
-      sums->even = hn::Sub(pair, hn::ShiftLeft<8>(sums->odd));
+      const V16 costs = hn::ShiftLeft<2>(hn::Load(d, volume + hn::Lanes(d)));
+      sums->template AddPair<false>(hn::BitCast(D8(), hn::Load(d, volume)));
+      sums->template AddPair<false>(hn::BitCast(D8(), costs));
+      sums->Finish();
       return;
     }
     if constexpr (kDirections == 4) {
       // Eight times the cost and 256 times the bit are four times the cost and the marked cost.
-      const V16 first = hn::Load(d, volume);
       const V8 marked = hn::BitCast(D8(), hn::Load(d, volume + hn::Lanes(d)));
       const V16 quarter = hn::BitCast(d, hn::Add(marked, CostOf(marked)));
       const V16 high_bytes = hn::Set(d, std::uint16_t{0xFF << 2});
-      sums->even = hn::Add(hn::Add(sums->even, first), hn::ShiftLeft<2>(quarter));
-      sums->odd = hn::Add(hn::Add(sums->odd, hn::ShiftRight<8>(first)),
-                          hn::And(hn::ShiftRight<6>(quarter), high_bytes));
+      sums->template AddPair<false>(hn::BitCast(D8(), hn::Load(d, volume)));
+      sums->even = hn::Add(sums->even, hn::ShiftLeft<2>(quarter));
+      sums->odd = hn::Add(sums->odd, hn::And(hn::ShiftRight<6>(quarter), high_bytes));
       sums->Finish();
       return;
     }
     const auto add = [&](V16 sum, V16 packed) AGS_LAMBDA {
-      const V16 cost = hn::ShiftLeft<kLogPaths>(hn::And(packed, hn::Set(d, kCostMask)));
+      const V16 cost = hn::ShiftLeft<4>(hn::And(packed, hn::Set(d, kCostMask)));
       return hn::Add(hn::Add(sum, hn::ShiftRight<kCostBits>(packed)), cost);
     };
     sums->even = add(sums->even, hn::Load(d, volume));

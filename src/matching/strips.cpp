@@ -54,7 +54,7 @@ std::vector<int> Strips::divide(const PathPlan& plan, int count) {
 void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* stop) {
   stop_ = stop;
   threads_ = threads;
-  bands_ = (plan.row_edges[3] + kBandRows - 1) / kBandRows;
+  bands_ = Bands(plan.row_edges[3], false);
   const int per_sweep = std::clamp(plan.column_edges[3] / kNarrowest, 1, perSweep(threads));
   edges_[kDown] = divide(plan, per_sweep);
   edges_[kUp] = divide(turned(plan), per_sweep);
@@ -65,20 +65,21 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
     strip.awaited = kNever;
     strip.wanted = false;
   }
-  if (static_cast<int>(claims_.size()) != bands_) claims_ = std::vector<std::atomic<int>>(bands_);
+  const std::size_t bands = bands_.count();
+  if (claims_.size() != bands) claims_ = std::vector<std::atomic<int>>(bands);
   for (std::atomic<int>& claim : claims_) claim = kNobody;
 }
 
 Strips::Part Strips::partOf(int strip, int band) const {
   const int sweep = sweepOf(strip), place = strip % perSweep();
-  const bool second_pass = claimOf(sweep, band) != sweep;
+  const bool second_pass = claims_[claimPlace(sweep, band)] != sweep;
   return {strip, sweep, band, edges_[sweep][place], edges_[sweep][place + 1], second_pass};
 }
 
-bool Strips::claim(int strip, int band) const {
+bool Strips::claim(int strip, int band) {
   int holder = kNobody;
   const int sweep = sweepOf(strip);
-  return claimOf(sweep, band).compare_exchange_strong(holder, sweep) || holder == sweep;
+  return claims_[claimPlace(sweep, band)].compare_exchange_strong(holder, sweep) || holder == sweep;
 }
 
 Strips::Need Strips::needOf(int strip) const {
@@ -89,8 +90,8 @@ Strips::Need Strips::needOf(int strip) const {
   if (begins && place > 0) return {strip - 1, band_begin + kStages};
   if (ends && place + 1 < perSweep()) return {strip + 1, band_begin - kStages + 1};
   // What the other sweep has begun with it must have finished, the last of its strips last.
-  if (begins && band < bands_ && claimOf(sweep, band) == 1 - sweep) {
-    return {(2 - sweep) * perSweep() - 1, (bands_ - band) * kStages};
+  if (begins && band < bands_.count() && claims_[claimPlace(sweep, band)] == 1 - sweep) {
+    return {(2 - sweep) * perSweep() - 1, (bands_.opposite(band) + 1) * kStages};
   }
   return {strip, stage};
 }

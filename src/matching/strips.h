@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "adaptive_grid_stereo/path_plan.h"
+#include "src/matching/bands.h"
 #include "src/matching/spin.h"
 #include "src/matching/sweep.h"
 
@@ -113,7 +114,7 @@ class Strips {
     const int stage = strips_[strip].stage, band = stage / kStages;
     strips_[strip].cpu = currentCpu();
     if (stage % kStages == 0) {
-      if (*stop_) return reach(strip, kStages * bands_);
+      if (*stop_) return reach(strip, kStages * bands_.count());
       // The other sweep may have begun with the band just now.
       if (!claim(strip, band) && !canGoOn(strip)) return;
     }
@@ -148,15 +149,15 @@ class Strips {
   // The edges of so many strips of about the same work.
   std::vector<int> divide(const PathPlan& plan, int count);
   Part partOf(int strip, int band) const;
-  // The sweep that has a band's first pass, or kNobody; of the same rows whatever the sweep.
-  std::atomic<int>& claimOf(int sweep, int band) const {
-    return claims_[sweep == kDown ? band : bands_ - 1 - band];
+  // Of a band's rows, whatever the sweep.
+  int claimPlace(int sweep, int band) const {
+    return sweep == kDown ? band : bands_.opposite(band);
   }
   // Claims a band's first pass for a strip's sweep; whether it has it.
-  bool claim(int strip, int band) const;
+  bool claim(int strip, int band);
   Need needOf(int strip) const;
   bool isMet(const Need& need) const { return strips_[need.strip].stage >= need.stage; }
-  bool isFinished(int strip) const { return strips_[strip].stage >= kStages * bands_; }
+  bool isFinished(int strip) const { return strips_[strip].stage >= kStages * bands_.count(); }
   bool canGoOn(int strip) const;
   bool tryToTake(int strip);
   // Takes the other one of two strips, too, if it has come as far and nobody wants it.
@@ -180,10 +181,11 @@ class Strips {
 
   std::vector<int> edges_[kSweeps];
   std::vector<Strip> strips_;
-  mutable std::vector<std::atomic<int>> claims_;
+  // The sweep that has a band's first pass, or kNobody, [claimPlace()].
+  std::vector<std::atomic<int>> claims_;
   std::vector<double> work_before_;  // each column
   const std::atomic<bool>* stop_ = nullptr;
-  int bands_ = 0;
+  Bands bands_;  // downwards
   int threads_ = 1;
 };
 

@@ -35,7 +35,7 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
                                     int begin, int end) {
   using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
   constexpr int kBits = keyBits<kDirections, kPadded>();
-  const Course course(frame);
+  const PixelCourse course(frame);
   WinnerSearch<kPadded, kPlace, kBits, kSecondPass, true> search(frame, course, rows, row_count);
   const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
   const auto sweepTogether = [&](auto count, int first, int step) AGS_LAMBDA {
@@ -131,7 +131,7 @@ HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row
 template <int kPadded, Place kPlace, bool kSecondPass>
 HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                       int begin, int end) {
-  const Course course(frame);
+  const PixelCourse course(frame);
   WinnerSearch<kPadded, kPlace, kBlockBits, kSecondPass, false> search(frame, course, rows,
                                                                        row_count);
   const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
@@ -190,7 +190,7 @@ HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame) {
   if (IsLongRange(layout)) return {0, 0};
   const int begin = std::max(0, frame.min_disparity + layout.range - 1);
   const int end = std::min(frame.width, frame.width + frame.min_disparity);
-  if (frame.flip == 0) return {begin, end};
+  if (frame.course.flip == 0) return {begin, end};
   return {frame.width - end, frame.width - begin};
 }
 

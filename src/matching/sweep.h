@@ -104,16 +104,21 @@ struct SweepRow {
   WinnerRow winners;          // second pass only
 };
 
+/// Which way a sweep goes through the image's columns.
+struct Course {
+  /// The image column of the sweep's column u, and how far it moves while u moves by `steps`.
+  std::ptrdiff_t column(std::ptrdiff_t u) const { return (u ^ flip) + origin; }
+  std::ptrdiff_t along(std::ptrdiff_t steps) const { return (steps ^ flip) - flip; }
+
+  /// Downwards 0 and 0, upwards -1 and the width.
+  std::ptrdiff_t flip = 0, origin = 0;
+};
+
 /// What all rows of a sweep share.
 struct SweepFrame {
-  /// The image column of the sweep's column u, and how far it moves while u moves by `steps`.
-  int column(int u) const { return (u ^ flip) + origin; }
-  int along(int steps) const { return (steps ^ flip) - flip; }
-
   int width = 0;
   int height = 0;
-  /// Downwards 0 and 0, upwards -1 and the width.
-  int flip = 0, origin = 0;
+  Course course;
   int min_disparity = 0;
   int penalty_small = 0;
   CensusWindow window = CensusWindow::k9x7;

@@ -65,8 +65,7 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
     census_[sweep].prepare(width, kept_rows_, threads);
     winners_[sweep].reserve(3 * static_cast<std::size_t>(width) * kept_rows_);
   }
-  frames_[kUp].flip = -1;
-  frames_[kUp].origin = width;
+  frames_[kUp].course = {-1, width};
 }
 
 void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
@@ -177,8 +176,9 @@ void Sweeps::fillPenalties(const SweepImages& images, const Strips::Part& part, 
 void Sweeps::fetchVolume(const SweepRow& row, const SweepFrame& frame, int u) const {
   constexpr int kPixels = 4, kLine = 64 / sizeof(std::uint16_t);
   const int padded = frame.layout.padded_range;
-  const int x = frame.column(std::max(0, u)), first = std::min(x, x + frame.along(kPixels - 1));
-  const std::uint16_t* volume = row.volume + static_cast<std::ptrdiff_t>(first) * padded;
+  const Course& course = frame.course;
+  const std::ptrdiff_t x = course.column(std::max(0, u));
+  const std::uint16_t* volume = row.volume + std::min(x, x + course.along(kPixels - 1)) * padded;
   for (int k = 0; k < kPixels * padded / kLine; ++k) __builtin_prefetch(volume + k * kLine);
 }
 

@@ -37,7 +37,7 @@ HWY_INLINE ActiveRows FindActiveRows(const SweepFrame& frame, int row_count, int
 template <int kPadded, Place kPlace, int kBits, bool kSecondPass, bool kAllRows>
 class WinnerSearch {
  public:
-  HWY_INLINE WinnerSearch(const SweepFrame& frame, const Course& course, const SweepRow* rows,
+  HWY_INLINE WinnerSearch(const SweepFrame& frame, const PixelCourse& course, const SweepRow* rows,
                           int row_count) {
     if (!kSecondPass) return;
     for (int r = 0; r < row_count; ++r) {
@@ -56,7 +56,7 @@ class WinnerSearch {
   HWY_INLINE std::uint16_t* keys(int step, int r) { return keys_[slotOf(step)][r]; }
 
   // Goes on after the work of a step in which these rows had pixels; `begin` is the first step.
-  HWY_INLINE void Advance(const SweepFrame& frame, const Course& course, int begin, int step,
+  HWY_INLINE void Advance(const SweepFrame& frame, const PixelCourse& course, int begin, int step,
                           const ActiveRows& active) {
     if constexpr (kOn) {
       if (!kAllRows) active_[slotOf(step)] = active;
@@ -66,7 +66,7 @@ class WinnerSearch {
   }
 
   // Goes on after the last step.
-  HWY_INLINE void Finish(const SweepFrame& frame, const Course& course, int begin, int last,
+  HWY_INLINE void Finish(const SweepFrame& frame, const PixelCourse& course, int begin, int last,
                          const ActiveRows& active) {
     if constexpr (kOn) {
       if (last > begin) StoreWinners(frame, course, last - 1, active);
@@ -99,7 +99,7 @@ class WinnerSearch {
   }
 
   // all: the active rows if kAllRows.
-  HWY_INLINE void StoreWinners(const SweepFrame& frame, const Course& course, int step,
+  HWY_INLINE void StoreWinners(const SweepFrame& frame, const PixelCourse& course, int step,
                                const ActiveRows& all) {
     const int slot = slotOf(step);
     const int first = kAllRows ? 0 : active_[slot].first;

@@ -32,8 +32,8 @@ class Contract : public testing::Test {
   }
 
   /// Publishes motion and a pair until the node's answer has motion_valid as expected: images and
-  /// motion come by different connections, so that a pair may overtake its motion. Each attempt gives
-  /// the motion more of a start.
+  /// motion come by different connections, so that a pair may overtake its motion. Each attempt
+  /// gives the motion more of a start.
   GridStateConstPtr fly(Listener<GridState>& grid_state, double speed, double yaw_rate,
                         bool expected_valid) {
     GridStateConstPtr message;
