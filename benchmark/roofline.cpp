@@ -68,7 +68,7 @@ std::int64_t runRecurrenceInCache(int pixels) {
     rows[r].penalties = penalties.data();
     rows[r].current = places[r].data() + kPathMargin;
     rows[r].above = places[1 - r].data() + kPathMargin;
-    rows[r].above2 = places[1 - r].data() + kPathMargin;
+    rows[r].above_diagonals = rows[r].above_knights = rows[r].above2_knights = rows[r].above;
   }
   HWY_DYNAMIC_DISPATCH(Recurrence)(rows, kRows, kWidth, pixels);
   return static_cast<std::int64_t>(pixels) * kRange * kSweepDirections;

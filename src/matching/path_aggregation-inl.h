@@ -66,17 +66,17 @@ HWY_INLINE const std::uint8_t* Predecessor(const SweepRow& row, int u) {
     case 1:
       return row.above[u];
     case 2:
-      return row.above[u - 1];
+      return row.above_diagonals[u - 1];
     case 3:
-      return row.above[u + 1];
+      return row.above_diagonals[u + 1];
     case 4:
-      return row.above[u - 2];
+      return row.above_knights[u - 2];
     case 5:
-      return row.above[u + 2];
+      return row.above_knights[u + 2];
     case 6:
-      return row.above2[u - 1];
+      return row.above2_knights[u - 1];
     default:
-      return row.above2[u + 1];
+      return row.above2_knights[u + 1];
   }
 }
 

@@ -97,7 +97,7 @@ void PathRows::assign(const Bands& bands, const std::vector<int>& edges) {
 }
 
 PathRow PathRows::boundaryRow(int band, int from_last) const {
-  if (band < 0 || from_last >= bands_.rows(band)) return zero_row_.data() + kPathMargin;
+  if (band < 0 || from_last >= bands_.rows(band)) return zeros();
   const std::size_t slot = band % kBoundaries;
   return boundary_places_.data() + (2 * slot + from_last) * row_pixels_ + kPathMargin;
 }
@@ -116,8 +116,8 @@ PathRow PathRows::rowOf(int band, int row) const {
 
 void PathRows::find(int band, int row, SweepRow* out) const {
   out->current = rowOf(band, row);
-  out->above = rowOf(band, row - 1);
-  out->above2 = rowOf(band, row - 2);
+  out->above = out->above_diagonals = out->above_knights = rowOf(band, row - 1);
+  out->above2_knights = rowOf(band, row - 2);
 }
 
 }  // namespace adaptive_grid_stereo

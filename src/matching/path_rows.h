@@ -28,6 +28,9 @@ class PathRows {
   /// Tells the places of row `row` of a band, and of the two rows above it.
   void find(int band, int row, SweepRow* out) const;
 
+  /// Places of a row whose path costs are all zero.
+  PathRow zeros() const { return zero_row_.data() + kPathMargin; }
+
  private:
   PathRow boundaryRow(int band, int from_last) const;
   PathRow rowOf(int band, int row) const;

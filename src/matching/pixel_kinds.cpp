@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 
 namespace adaptive_grid_stereo {
 namespace {
@@ -14,20 +13,6 @@ int cellOf(const std::array<int, 4>& edges, int position) {
 }
 
 PixelKind kindOf(int paths) { return paths == 16 ? kEight : paths == 8 ? kFour : kTwo; }
-
-// The cell of a row, and the first and last cell within reach of a path's step.
-struct Reach {
-  int cell, first, last;
-  bool operator<(const Reach& other) const {
-    return std::array<int, 3>{cell, first, last} <
-           std::array<int, 3>{other.cell, other.first, other.last};
-  }
-};
-
-Reach reachOf(const std::array<int, 4>& edges, int position) {
-  return {cellOf(edges, position), cellOf(edges, std::max(0, position - kPathMargin)),
-          cellOf(edges, std::min(edges[3] - 1, position + kPathMargin))};
-}
 
 }  // namespace
 
@@ -43,43 +28,38 @@ PathPlan turned(const PathPlan& plan) {
 
 void PixelKinds::assign(const PathPlan& original, bool upward) {
   const PathPlan plan = upward ? turned(original) : original;
-  const int width = plan.column_edges[3], height = plan.row_edges[3];
+  const int width = plan.column_edges[3];
   stride_ = static_cast<std::size_t>(width) + 2 * kPathMargin;
-  tables_.clear();
-  ends_.clear();
-  directions_.clear();
-  table_of_row_.resize(height);
   blocks_ = (width + kPenaltyBlock - 1) / kPenaltyBlock;
-  std::map<Reach, int> known;
-  for (int v = 0; v < height; ++v) {
-    const Reach rows = reachOf(plan.row_edges, v);
-    const auto inserted = known.emplace(rows, static_cast<int>(known.size()));
-    table_of_row_[v] = inserted.first->second;
-    if (!inserted.second) continue;
-    tables_.resize(tables_.size() + stride_, kOutside);
-    std::uint8_t* kinds = tables_.data() + tables_.size() - stride_ + kPathMargin;
-    directions_.resize(directions_.size() + blocks_, 0);
-    std::uint8_t* most = directions_.data() + directions_.size() - blocks_;
-    for (int u = 0; u < width; ++u) {
-      const Reach columns = reachOf(plan.column_edges, u);
-      const int paths = plan.paths[3 * rows.cell + columns.cell];
-      int most_near = paths;
-      for (int row = rows.first; row <= rows.last; ++row) {
-        for (int column = columns.first; column <= columns.last; ++column) {
-          most_near = std::max(most_near, plan.paths[3 * row + column]);
-        }
-      }
-      kinds[u] = static_cast<std::uint8_t>(kindOf(paths) | (most_near > paths ? kClearRest : 0));
-      std::uint8_t& of_block = most[u / kPenaltyBlock];
-      of_block = std::max(of_block, static_cast<std::uint8_t>(paths / 2));
+  tables_.assign(3 * stride_, kOutside);
+  ends_.assign(3 * stride_, 0);
+  directions_.assign(3 * static_cast<std::size_t>(blocks_), 0);
+  row_edges_ = plan.row_edges;
+  for (int cell = 0; cell < 3; ++cell) fillCell(plan, cell);
+}
+
+void PixelKinds::fillCell(const PathPlan& plan, int cell) {
+  const int width = plan.column_edges[3];
+  const auto pathsAt = [&](int u) {
+    return plan.paths[3 * cell + cellOf(plan.column_edges, std::clamp(u, 0, width - 1))];
+  };
+  std::uint8_t* kinds = tables_.data() + cell * stride_ + kPathMargin;
+  std::uint8_t* most = directions_.data() + cell * static_cast<std::size_t>(blocks_);
+  for (int u = 0; u < width; ++u) {
+    const int paths = pathsAt(u);
+    int most_near = paths;
+    for (int near = u - kPathMargin; near <= u + kPathMargin; ++near) {
+      most_near = std::max(most_near, pathsAt(near));
     }
-    ends_.resize(tables_.size());
-    int* ends = ends_.data() + ends_.size() - stride_ + kPathMargin;
-    int next = width + kPathMargin;
-    for (int u = width + kPathMargin - 1; u >= -kPathMargin; --u) {
-      if (u + 1 < width + kPathMargin && kinds[u] != kinds[u + 1]) next = u + 1;
-      ends[u] = next;
-    }
+    kinds[u] = static_cast<std::uint8_t>(kindOf(paths) | (most_near > paths ? kClearRest : 0));
+    std::uint8_t& of_block = most[u / kPenaltyBlock];
+    of_block = std::max(of_block, static_cast<std::uint8_t>(paths / 2));
+  }
+  int* ends = ends_.data() + cell * stride_ + kPathMargin;
+  int next = width + kPathMargin;
+  for (int u = width + kPathMargin - 1; u >= -kPathMargin; --u) {
+    if (u + 1 < width + kPathMargin && kinds[u] != kinds[u + 1]) next = u + 1;
+    ends[u] = next;
   }
 }
 

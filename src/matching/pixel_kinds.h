@@ -1,6 +1,7 @@
 #ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_PIXEL_KINDS_H
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_PIXEL_KINDS_H
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -12,8 +13,8 @@ namespace adaptive_grid_stereo {
 /// The plan turned by 180 degrees, as the upward sweep sees it.
 PathPlan turned(const PathPlan& plan);
 
-/// The PixelKind of every pixel of a sweep, from the path plan. Rows that are alike share one
-/// table.
+/// The PixelKind of every pixel of a sweep, from the path plan. The rows of one row of cells share
+/// one table.
 class PixelKinds {
  public:
   /// For the upward sweep the plan is turned by 180 degrees.
@@ -21,27 +22,29 @@ class PixelKinds {
 
   /// Kinds of row v at [u], -kPathMargin .. width + kPathMargin - 1.
   const std::uint8_t* row(int v) const {
-    return tables_.data() + static_cast<std::size_t>(table_of_row_[v]) * stride_ + kPathMargin;
+    return tables_.data() + cellOfRow(v) * stride_ + kPathMargin;
   }
 
   /// For each u of row v the next one of another kind, or of the row's end.
-  const int* ends(int v) const {
-    return ends_.data() + static_cast<std::size_t>(table_of_row_[v]) * stride_ + kPathMargin;
-  }
+  const int* ends(int v) const { return ends_.data() + cellOfRow(v) * stride_ + kPathMargin; }
 
   /// Largest number of directions of any pixel of each block of kPenaltyBlock ones of row v: 2, 4
   /// or 8.
   const std::uint8_t* directions(int v) const {
-    return directions_.data() + table_of_row_[v] * static_cast<std::size_t>(blocks_);
+    return directions_.data() + cellOfRow(v) * static_cast<std::size_t>(blocks_);
   }
 
  private:
-  std::size_t stride_ = 0;
+  void fillCell(const PathPlan& plan, int cell);
+  // The row of cells that row v belongs to.
+  std::size_t cellOfRow(int v) const { return (v >= row_edges_[1]) + (v >= row_edges_[2]); }
+
+  std::array<int, 4> row_edges_{};
+  std::size_t stride_ = 0;  // of the tables
   std::vector<std::uint8_t> tables_;
   std::vector<int> ends_;
   int blocks_ = 0;
   std::vector<std::uint8_t> directions_;
-  std::vector<int> table_of_row_;
 };
 
 }  // namespace adaptive_grid_stereo

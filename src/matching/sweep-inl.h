@@ -203,21 +203,18 @@ struct StepRun {
   int kind;
 };
 
-// The run of uniform steps from `step` on, with the same rows; none if the rows' pixels there are
-// of several kinds.
-HWY_INLINE StepRun FindUniformSteps(const SweepFrame& frame, const SweepRow* rows, int row_count,
-                                    int step, const InnerColumns& inner) {
+// The steps from `step` on in which neither the rows nor the kinds of their pixels change.
+HWY_INLINE StepRun FindSteps(const SweepFrame& frame, const SweepRow* rows, int row_count, int step,
+                             const InnerColumns& inner) {
   const ActiveRows active = FindActiveRows(frame, row_count, step);
-  if (active.count() <= 0) return {0, active, false, false, kOutside};
+  if (active.count() <= 0) return {1, active, false, false, kOutside};
   const int first = step - kBandLag * active.first, last = step - kBandLag * (active.last - 1);
-  const bool all_inner = inner.holds(first) && inner.holds(last);
   const int kind = rows[active.first].kinds[first];
-  const StepRun mixed{0, active, false, all_inner, kOutside};
-  if ((kind & kClearRest) != 0) return mixed;
+  bool uniform = (kind & kClearRest) == 0;
   int steps = active.last < row_count ? kBandLag * active.last - step : frame.width;
   for (int r = active.first; r < active.last; ++r) {
     const int u = step - kBandLag * r;
-    if (rows[r].kinds[u] != kind) return mixed;
+    uniform = uniform && rows[r].kinds[u] == kind;
     steps = std::min(steps, rows[r].kind_ends[u] - u);
   }
   for (const int edge : {inner.begin, inner.end}) {
@@ -225,20 +222,19 @@ HWY_INLINE StepRun FindUniformSteps(const SweepFrame& frame, const SweepRow* row
       if (edge > u) steps = std::min(steps, edge - u);
     }
   }
-  return {steps, active, true, all_inner, kind};
+  return {steps, active, uniform, inner.holds(first) && inner.holds(last), kind};
 }
 
+// The longest run from `step` on that one kernel can do.
 HWY_INLINE StepRun FindRun(const SweepFrame& frame, const SweepRow* rows, int row_count, int step,
                            int last_step, const InnerColumns& inner) {
-  StepRun run = FindUniformSteps(frame, rows, row_count, step, inner);
-  if (run.uniform) {
-    run.steps = std::min(run.steps, last_step - step);
-    return run;
-  }
-  for (run.steps = 1; step + run.steps < last_step; ++run.steps) {
-    const StepRun next = FindUniformSteps(frame, rows, row_count, step + run.steps, inner);
+  StepRun run = FindSteps(frame, rows, row_count, step, inner);
+  while (!run.uniform && step + run.steps < last_step) {
+    const StepRun next = FindSteps(frame, rows, row_count, step + run.steps, inner);
     if (next.uniform || next.inner != run.inner) break;
+    run.steps += next.steps;
   }
+  run.steps = std::min(run.steps, last_step - step);
   return run;
 }
 

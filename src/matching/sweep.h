@@ -42,8 +42,8 @@ constexpr int kSweepDirections = 8;
 constexpr int kPixelHeader = 64;
 
 /// What a pixel of a sweep needs: to aggregate 2, 4 or 8 directions; kClearRest in addition sets
-/// the path costs of those it does not use to zero, so that paths start anew at a neighbour in a
-/// cell with more of them.
+/// the path costs of those it does not use to zero, so that paths start anew beside it, in a column
+/// of cells with more of them.
 enum PixelKind : std::uint8_t { kOutside = 0, kTwo = 1, kFour = 2, kEight = 3, kClearRest = 4 };
 
 /// Path costs of a pixel: the header, then for each direction a block of padded_range costs.
@@ -55,7 +55,7 @@ struct PathLayout {
 
 /// Where the path costs of a row's pixels lie: [u], -kPathMargin .. width + kPathMargin - 1. A row
 /// inside a band keeps only its last few pixels, so that places recur. Path costs of pixels outside
-/// of the image are zero: paths start anew beside them.
+/// of the image, or that do not have such paths, are zero: paths start anew beside them.
 using PathRow = std::uint8_t* const*;
 
 /// The winners of a row's pixels, in halves of 16 bits, [x]. What they mean is told apart later, by
@@ -97,7 +97,11 @@ struct SweepRow {
   const std::uint8_t* kinds;      // [u], -kPathMargin .. width + kPathMargin - 1
   const int* kind_ends;           // [u] the next column of another kind
   const std::uint8_t* penalties;  // P2 of eq. 7 at [penaltyPlace(u, direction)]
-  PathRow current, above, above2;
+  PathRow current;
+  PathRow above;            // the row above, for direction 1
+  PathRow above_diagonals;  // for 2 and 3
+  PathRow above_knights;    // for 4 and 5
+  PathRow above2_knights;   // the row above that, for 6 and 7
   const std::uint8_t* left;   // census strings of the row, in the target's order
   const std::uint8_t* right;  // mirrored
   std::uint16_t* volume;      // [x * padded_range]

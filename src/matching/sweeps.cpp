@@ -134,6 +134,7 @@ void Sweeps::preparePart(const SweepImages& images, const Strips::Part& part) {
   }
   for (int i = 0; i < worker.row_count; ++i) {
     worker.rows[i] = makeRow(part.sweep, part.band, i);
+    startPathsAnew(part.sweep, bands.firstRow(part.band) + i, i, &worker);
     if (part.second_pass) {
       fetchVolume(worker.rows[i], frames_[part.sweep], part.begin - kBandLag * i);
     }
@@ -202,6 +203,26 @@ SweepRow Sweeps::makeRow(int sweep, int band, int index) {
   row.volume = volume_.data() + y * row_volume;
   row.winners = winnersOf(setOf(sweep), y);
   return row;
+}
+
+void Sweeps::startPathsAnew(int sweep, int v, int index, Worker* worker) const {
+  const PixelKinds& kinds = kinds_[sweep];
+  const int begin = -kPathMargin, end = frames_[sweep].width + kPathMargin;
+  const PathRow zeros = path_rows_[sweep].zeros();
+  const auto hide = [&](int of_v, PixelKind needed, int which, PathRow* row) {
+    if (of_v < 0 || kinds.row(of_v) == kinds.row(v)) return;
+    std::vector<std::uint8_t*>& places = worker->places[index][which];
+    places.resize(end - begin);
+    for (int u = begin; u < end; ++u) {
+      const bool has_paths = (kinds.row(of_v)[u] & ~kClearRest) >= needed;
+      places[u - begin] = (has_paths ? *row : zeros)[u];
+    }
+    *row = places.data() - begin;
+  };
+  SweepRow& row = worker->rows[index];
+  hide(v - 1, kFour, 0, &row.above_diagonals);
+  hide(v - 1, kEight, 1, &row.above_knights);
+  hide(v - 2, kEight, 2, &row.above2_knights);
 }
 
 void Sweeps::selectRows(int first, int last, int set, RowBuffers* buffers, cv::Mat* disparity) {

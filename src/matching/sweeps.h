@@ -49,6 +49,8 @@ class Sweeps {
     AlignedBuffer<std::uint8_t> penalties;  // [row of the band][penaltyPlace()]
     RowBuffers buffers;
     SweepRow rows[kBandRows];  // of the band
+    // Where these rows' own places of path costs are: [row of the band][which][u + kPathMargin].
+    std::vector<std::uint8_t*> places[kBandRows][3];
     int row_count = 0;
     double census_time = 0.0;  // [ms]
   };
@@ -59,6 +61,9 @@ class Sweeps {
   void workOnPart(const Strips::Part& part, int first, int last, cv::Mat* disparity);
   void selectRows(int first, int last, int set, RowBuffers* buffers, cv::Mat* disparity);
   SweepRow makeRow(int sweep, int band, int index);
+  // Shows zeros to the paths of row v, which is rows[index], where they come from pixels of cells
+  // above that do not have them.
+  void startPathsAnew(int sweep, int v, int index, Worker* worker) const;
   void fillPenalties(const SweepImages& images, const Strips::Part& part, int index,
                      Worker* worker);
   // Fetches what a row's second pass reads of the volume first, from pixel u on.

@@ -48,7 +48,11 @@ class WinnerSearch {
     for (auto& slot : sums_) {
       for (auto& sums : slot) ClearGap(sums, PaddedRange(frame));
     }
-    for (auto& slot : keys_) std::fill_n(slot[0], kKeyRows * kKeys, kNoSum);
+    // Rows that are searched without being there.
+    const int first_spare = kAllRows ? row_count : 0;
+    for (auto& slot : keys_) {
+      for (int r = first_spare; r < kKeyRows; ++r) std::fill_n(slot[r], kKeys, kNoSum);
+    }
   }
 
   // Where the sums and the keys of row r's pixel at a step belong.
