@@ -97,26 +97,33 @@ HWY_INLINE CensusPlaces FindCensus(const SweepFrame&, const SweepRow& row, std::
   return {left, right, column};
 }
 
-// After the eight vectors of eight counts each have been laid into each other, count n stands where
-// the table says; those from 64 on are in a ninth vector. Picks counts t .. t + 63.
-struct CountOrder {
-  alignas(64) std::uint8_t from[8][64];
+// Of nine vectors of strings, from a cache line's begin on, those wanted are strings t .. t + 63:
+// all but the first t of the first vector, and the first t of the ninth, which fill its place.
+struct StringPlaces {
+  alignas(64) std::uint64_t of_ninth[8];  // all bits set where the ninth vector's strings belong
+  // Where their counts are, in order, after eight vectors of eight counts each have been laid into
+  // each other.
+  alignas(64) std::uint8_t counts[64];
 };
-constexpr CountOrder makeCountOrder() {
-  CountOrder order{};
+struct StringPlacesByBegin {
+  StringPlaces from[8];
+};
+constexpr StringPlacesByBegin makeStringPlaces() {
+  StringPlacesByBegin places{};
   for (int t = 0; t < 8; ++t) {
+    for (int i = 0; i < t; ++i) places.from[t].of_ninth[i] = ~std::uint64_t{0};
     for (int i = 0; i < 64; ++i) {
-      const int vector = (t + i) / 8, count = (t + i) % 8;
+      const int vector = (t + i) / 8 % 8, count = (t + i) % 8;
       // Packing leaves two counts of either vector of a pair in each block of 16 bytes; two pairs
       // are laid into each other byte by byte, and two of these packed again.
       const int pair = vector / 2, in_pair = 2 * (vector % 2) + count % 2;
       const int laid = 16 * (count / 2) + 8 * (pair / 2) + 2 * in_pair + pair % 2;
-      order.from[t][i] = static_cast<std::uint8_t>(vector < 8 ? laid : 64 + 8 * count);
+      places.from[t].counts[i] = static_cast<std::uint8_t>(laid);
     }
   }
-  return order;
+  return places;
 }
-static constexpr CountOrder kCountOrder = makeCountOrder();
+static constexpr StringPlacesByBegin kStringPlaces = makeStringPlaces();
 
 // sums + a * b, of 16 bits that lie side by side, in 32 bits. (Highway makes sure that the CPU has
 // this instruction, but up to 1.0.3 does not tell compilers, so there is no intrinsic for it.)
@@ -129,14 +136,18 @@ HWY_INLINE __m512i AddProducts(__m512i sums, __m512i a, __m512i b) {
 HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(CensusWindow,
                                                                    const CensusPlaces& at, int k) {
   const hn::ScalableTag<std::uint64_t> d;
-  // Strings are counted from a cache line's begin on.
   const std::uintptr_t right = reinterpret_cast<std::uintptr_t>(at.right + kCensusBytes * k);
   const std::uint64_t* from = reinterpret_cast<const std::uint64_t*>(right & ~std::uintptr_t{63});
+  const StringPlaces& places = kStringPlaces.from[right / kCensusBytes % 8];
   std::uint64_t string;
   std::memcpy(&string, at.left, sizeof(string));
   const auto left = hn::Set(d, string);
   const auto count = [&](int i) AGS_LAMBDA {
-    return hn::PopulationCount(hn::Xor(left, hn::Load(d, from + 8 * i)));
+    auto strings = hn::Load(d, from + 8 * i);
+    if (i == 0) {
+      strings = hn::IfVecThenElse(hn::Load(d, places.of_ninth), hn::Load(d, from + 64), strings);
+    }
+    return hn::PopulationCount(hn::Xor(left, strings));
   };
   // Packing takes another of the CPU's ports than multiplying, which shifts and adds at once.
   const auto pair = [&](int i)
@@ -145,9 +156,7 @@ HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(CensusWindow,
   const auto twoPairs = [&](int i)
                             AGS_LAMBDA { return AddProducts(pair(i), pair(i + 2), second_byte); };
   const __m512i counts = _mm512_packus_epi32(twoPairs(0), twoPairs(4));
-  const auto rest = count(8);
-  const __m512i order = _mm512_load_si512(kCountOrder.from[right / kCensusBytes % 8]);
-  return {_mm512_permutex2var_epi8(counts, order, rest.raw)};
+  return {_mm512_permutexvar_epi8(_mm512_load_si512(places.counts), counts)};
 }
 
 #else
