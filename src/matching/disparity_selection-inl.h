@@ -39,7 +39,7 @@ HWY_INLINE void ClearGap(std::uint16_t* sums, int padded_range) {
 // per lane then finds both. Sums of fewer paths leave more bits, which for short ranges hold the
 // lane as well, so that the smallest key tells all. A sum of kNoSum loses against every other.
 constexpr int kBlockBits = 4;
-constexpr int kSearchBlocks = 1 << kBlockBits;
+static_assert(kSearchBlocks == 1 << kBlockBits, "block numbers must fit their bits");
 
 // Bits of a key below the sum, of pixels with so many directions per sweep: enough for the place
 // among the sums of one parity, or else for the number of the block.

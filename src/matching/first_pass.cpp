@@ -11,9 +11,9 @@ HWY_BEFORE_NAMESPACE();
 namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 
-HWY_ATTR void RunFirst(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
-                       int last) {
-  SweepBand<false>(frame, rows, row_count, first, last);
+HWY_ATTR void RunFirst(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                       const StepRun* runs, std::size_t run_count) {
+  SweepBand<false>(frame, rows, row_count, runs, run_count);
 }
 
 HWY_ATTR int SweepLanes() { return static_cast<int>(AGS_SIMD::Lanes(D8())); }
@@ -29,9 +29,9 @@ HWY_EXPORT(SweepLanes);
 
 int sweepLanes() { return HWY_DYNAMIC_DISPATCH(SweepLanes)(); }
 
-void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
-                  int last) {
-  HWY_DYNAMIC_DISPATCH(RunFirst)(frame, rows, row_count, first, last);
+void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, const StepRun* runs,
+                  std::size_t run_count) {
+  HWY_DYNAMIC_DISPATCH(RunFirst)(frame, rows, row_count, runs, run_count);
 }
 
 }  // namespace adaptive_grid_stereo

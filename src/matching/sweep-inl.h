@@ -88,18 +88,14 @@ HWY_INLINE void SweepKind(const SweepFrame& frame, const SweepRow* rows, int row
   }
 }
 
-HWY_INLINE bool IsLongRange(const PathLayout& layout) {
-  return layout.padded_range > kSearchBlocks * static_cast<int>(hn::Lanes(D8()));
-}
-
 // Calls f(integral_constant<int, padded range or 0>, integral_constant<Place, place>) for the
 // kernels that are made for the range. Plain C++ has but the most general ones: it gains little by
 // others, and they would take most of the time to compile.
 template <class F>
-HWY_INLINE void Specialise(const PathLayout& layout, bool inner, const F& f) {
+HWY_INLINE void Specialise(const SweepFrame& frame, bool inner, const F& f) {
   using AnyRange = std::integral_constant<int, 0>;
   using Border = std::integral_constant<Place, Place::kBorder>;
-  if (IsLongRange(layout)) {
+  if (frame.long_range) {
     return f(AnyRange(), std::integral_constant<Place, Place::kLongRange>());
   }
   if constexpr (kPlainCpp) {
@@ -109,8 +105,8 @@ HWY_INLINE void Specialise(const PathLayout& layout, bool inner, const F& f) {
       if (inner) return f(padded, std::integral_constant<Place, Place::kInner>());
       f(padded, Border());
     };
-    if (layout.padded_range == 64) return choosePlace(std::integral_constant<int, 64>());
-    if (layout.padded_range == 128) return choosePlace(std::integral_constant<int, 128>());
+    if (frame.layout.padded_range == 64) return choosePlace(std::integral_constant<int, 64>());
+    if (frame.layout.padded_range == 128) return choosePlace(std::integral_constant<int, 128>());
     choosePlace(AnyRange());
   }
 }
@@ -119,7 +115,7 @@ HWY_INLINE void Specialise(const PathLayout& layout, bool inner, const F& f) {
 template <bool kSecondPass>
 HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
                           bool inner, int begin, int end) {
-  Specialise(frame.layout, inner, [&](auto padded, auto place) AGS_LAMBDA {
+  Specialise(frame, inner, [&](auto padded, auto place) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
     constexpr Place kPlace = decltype(place)::value;
     SweepKind<kPadded, kPlace, kSecondPass>(frame, rows, row_count, kind, begin, end);
@@ -150,7 +146,7 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
     if ((rows[r].kinds[u] & kClearRest) != 0) Pixel::ClearRest(frame, rows[r].current[u]);
   };
   for (int step = begin; step < end; ++step) {
-    const ActiveRows active = FindActiveRows(frame, row_count, step);
+    const ActiveRows active = findActiveRows(frame.width, row_count, step);
     for (int r = active.first; r < active.last; ++r) {
       switch (rows[r].kinds[step - kBandLag * r] & ~kClearRest) {
         case kTwo:
@@ -172,87 +168,24 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
 template <bool kSecondPass>
 HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const SweepRow* rows, int row_count,
                                bool inner, int begin, int end) {
-  Specialise(frame.layout, inner, [&](auto padded, auto place) AGS_LAMBDA {
+  Specialise(frame, inner, [&](auto padded, auto place) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
     constexpr Place kPlace = decltype(place)::value;
     SweepMixed<kPadded, kPlace, kSecondPass>(frame, rows, row_count, begin, end);
   });
 }
 
-// Columns whose disparities all stay inside the right image; none if no kernel makes use of that.
-struct InnerColumns {
-  int begin, end;
-  bool holds(int u) const { return u >= begin && u < end; }
-};
-
-HWY_INLINE InnerColumns FindInnerColumns(const SweepFrame& frame) {
-  const PathLayout& layout = frame.layout;
-  if (IsLongRange(layout)) return {0, 0};
-  const int begin = std::max(0, frame.min_disparity + layout.range - 1);
-  const int end = std::min(frame.width, frame.width + frame.min_disparity);
-  if (frame.course.flip == 0) return {begin, end};
-  return {frame.width - end, frame.width - begin};
-}
-
-// A run of steps: how many, which rows have pixels there, whether these are all of one kind, which
-// one, and whether they are all inside of the inner columns.
-struct StepRun {
-  int steps;
-  ActiveRows rows;
-  bool uniform, inner;
-  int kind;
-};
-
-// The steps from `step` on in which neither the rows nor the kinds of their pixels change.
-HWY_INLINE StepRun FindSteps(const SweepFrame& frame, const SweepRow* rows, int row_count, int step,
-                             const InnerColumns& inner) {
-  const ActiveRows active = FindActiveRows(frame, row_count, step);
-  if (active.count() <= 0) return {1, active, false, false, kOutside};
-  const int first = step - kBandLag * active.first, last = step - kBandLag * (active.last - 1);
-  const int kind = rows[active.first].kinds[first];
-  bool uniform = (kind & kClearRest) == 0;
-  int steps = active.last < row_count ? kBandLag * active.last - step : frame.width;
-  for (int r = active.first; r < active.last; ++r) {
-    const int u = step - kBandLag * r;
-    uniform = uniform && rows[r].kinds[u] == kind;
-    steps = std::min(steps, rows[r].kind_ends[u] - u);
-  }
-  for (const int edge : {inner.begin, inner.end}) {
-    for (const int u : {first, last}) {
-      if (edge > u) steps = std::min(steps, edge - u);
-    }
-  }
-  return {steps, active, uniform, inner.holds(first) && inner.holds(last), kind};
-}
-
-// The longest run from `step` on that one kernel can do.
-HWY_INLINE StepRun FindRun(const SweepFrame& frame, const SweepRow* rows, int row_count, int step,
-                           int last_step, const InnerColumns& inner) {
-  StepRun run = FindSteps(frame, rows, row_count, step, inner);
-  while (!run.uniform && step + run.steps < last_step) {
-    const StepRun next = FindSteps(frame, rows, row_count, step + run.steps, inner);
-    if (next.uniform || next.inner != run.inner) break;
-    run.steps += next.steps;
-  }
-  run.steps = std::min(run.steps, last_step - step);
-  return run;
-}
-
 template <bool kSecondPass>
-HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
-                        int last) {
-  const InnerColumns inner = FindInnerColumns(frame);
-  for (int step = first; step < last;) {
-    const StepRun run = FindRun(frame, rows, row_count, step, last, inner);
-    const int end = step + run.steps;
-    if (run.uniform) {
-      const int lag = kBandLag * run.rows.first;
-      SweepPixels<kSecondPass>(frame, rows + run.rows.first, run.rows.count(), run.kind, run.inner,
-                               step - lag, end - lag);
+HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                        const StepRun* runs, std::size_t run_count) {
+  for (const StepRun* run = runs; run != runs + run_count; ++run) {
+    if (run->uniform) {
+      const int lag = kBandLag * run->rows.first;
+      SweepPixels<kSecondPass>(frame, rows + run->rows.first, run->rows.count(), run->kind,
+                               run->inner, run->begin - lag, run->end - lag);
     } else {
-      SweepMixedPixels<kSecondPass>(frame, rows, row_count, run.inner, step, end);
+      SweepMixedPixels<kSecondPass>(frame, rows, row_count, run->inner, run->begin, run->end);
     }
-    step = end;
   }
   if (frame.stream_volume) hwy::FlushStream();
 }

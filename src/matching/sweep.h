@@ -11,6 +11,7 @@
 // Whichever sweep comes to a row first computes the matching costs there and leaves its sums in the
 // volume: the row's first pass. The other one adds up and finds the winners: its second pass.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -98,10 +99,10 @@ struct SweepRow {
   const int* kind_ends;           // [u] the next column of another kind
   const std::uint8_t* penalties;  // P2 of eq. 7 at [penaltyPlace(u, direction)]
   PathRow current;
-  PathRow above;            // the row above, for direction 1
-  PathRow above_diagonals;  // for 2 and 3
-  PathRow above_knights;    // for 4 and 5
-  PathRow above2_knights;   // the row above that, for 6 and 7
+  PathRow above;              // the row above, for direction 1
+  PathRow above_diagonals;    // for 2 and 3
+  PathRow above_knights;      // for 4 and 5
+  PathRow above2_knights;     // the row above that, for 6 and 7
   const std::uint8_t* left;   // census strings of the row, in the target's order
   const std::uint8_t* right;  // mirrored
   std::uint16_t* volume;      // [x * padded_range]
@@ -118,6 +119,9 @@ struct Course {
   std::ptrdiff_t flip = 0, origin = 0;
 };
 
+/// Vectors of disparities among which one search can find a winner.
+constexpr int kSearchBlocks = 16;
+
 /// What all rows of a sweep share.
 struct SweepFrame {
   int width = 0;
@@ -129,6 +133,8 @@ struct SweepFrame {
   /// Of the winner's sum, times 4096, below which a rival makes it ambiguous; 0: no check.
   int uniqueness_factor = 0;
   PathLayout layout;
+  /// More disparities than one search for a winner can take.
+  bool long_range = false;
   /// Write the volume past the caches, which it would only sweep out.
   bool stream_volume = false;
 };
@@ -144,12 +150,32 @@ int sweepLanes();
 void orderedCensusRow(const PaddedImage& image, bool mirrored, int y, CensusWindow window,
                       std::uint8_t* planes, std::uint8_t* row);
 
-/// Run steps [first, last) of one band of `row_count` <= kBandRows rows. At step s row r is at
-/// pixel s - kBandLag * r; the band is complete with steps 0 to width + kBandLag * (row_count - 1).
-void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
-                  int last);
-void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count, int first,
-                   int last);
+/// Rows of a band whose pixels at a step are inside of the image: first .. last - 1.
+struct ActiveRows {
+  int first, last;
+  int count() const { return last - first; }
+};
+inline ActiveRows findActiveRows(int width, int row_count, int step) {
+  return {std::max(0, (step - width + kBandLag) / kBandLag),
+          std::min(row_count, (step + kBandLag) / kBandLag)};
+}
+
+/// Steps [begin, end) of a band: which rows have pixels there, whether these are all of one kind,
+/// which one, and whether the disparities of all of them stay inside the right image. If they are
+/// of several kinds, the rows need not be the same at all steps.
+struct StepRun {
+  int begin, end;
+  ActiveRows rows;
+  bool uniform, inner;
+  int kind;
+};
+
+/// Run steps of one band of `row_count` <= kBandRows rows. At step s row r is at pixel
+/// s - kBandLag * r; the band is complete with steps 0 to width + kBandLag * (row_count - 1).
+void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, const StepRun* runs,
+                  std::size_t run_count);
+void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                   const StepRun* runs, std::size_t run_count);
 
 /// P2 of eq. 7 for pixels [begin, end) of a row and each direction: penalties[penaltyPlace(u, r)]
 /// is the entry of `table` (256, falling) for the grey-level step between current[u] and

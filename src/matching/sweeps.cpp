@@ -45,6 +45,7 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
           ? static_cast<int>(std::lround(4096.0 * 100.0 / (100.0 - config.uniqueness_ratio)))
           : 0;
   frame.layout = makeLayout(config.disparity_range);
+  frame.long_range = frame.layout.padded_range > kSearchBlocks * sweepLanes();
   fillPenaltyTable(config, penalty_table_);
   const std::size_t volume_size =
       static_cast<std::size_t>(width) * height * frame.layout.padded_range;
@@ -74,6 +75,7 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
   if (plan_ != plan) {
     plan_ = plan;
     for (const int sweep : {kDown, kUp}) kinds_[sweep].assign(plan, sweep == kUp);
+    for (Worker& worker : workers_) worker.runs.forget();
     shifts_.assign(3 * static_cast<std::size_t>(width), 0);
     for (int cell = 0; cell < 9; ++cell) {
       std::uint8_t* row = shifts_.data() + static_cast<std::size_t>(cell / 3) * width;
@@ -145,7 +147,9 @@ void Sweeps::preparePart(const SweepImages& images, const Strips::Part& part) {
 void Sweeps::workOnPart(const Strips::Part& part, int first, int last, cv::Mat* disparity) {
   Worker& worker = workers_[part.strip];
   const auto pass = part.second_pass ? runSecondPass : runFirstPass;
-  pass(frames_[part.sweep], worker.rows, worker.row_count, first, last);
+  const SweepFrame& frame = frames_[part.sweep];
+  const auto& runs = worker.runs.find(frame, worker.rows, worker.row_count, first, last);
+  pass(frame, worker.rows, worker.row_count, runs.data(), runs.size());
   // A row is selected as a whole: at once, while it is in the cache, if a thread has whole rows.
   if (!bands_only_ || !part.second_pass || last < strips_.edges(part.sweep).back()) return;
   const int y = bands_[part.sweep].imageRow(part.band);

@@ -10,6 +10,7 @@
 #include "adaptive_grid_stereo/matching/padded_image.h"
 #include "adaptive_grid_stereo/path_plan.h"
 #include "src/matching/aligned_buffer.h"
+#include "src/matching/band_runs.h"
 #include "src/matching/bands.h"
 #include "src/matching/census_rows.h"
 #include "src/matching/path_rows.h"
@@ -52,6 +53,7 @@ class Sweeps {
     // Where these rows' own places of path costs are: [row of the band][which][u + kPathMargin].
     std::vector<std::uint8_t*> places[kBandRows][3];
     int row_count = 0;
+    BandRuns runs;
     double census_time = 0.0;  // [ms]
   };
 

@@ -16,17 +16,6 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
-// Rows of a band whose pixels at a step are inside of the image: first .. last - 1.
-struct ActiveRows {
-  int first, last;
-  int count() const { return last - first; }
-};
-
-HWY_INLINE ActiveRows FindActiveRows(const SweepFrame& frame, int row_count, int step) {
-  return {std::max(0, (step - frame.width + kBandLag) / kBandLag),
-          std::min(row_count, (step + kBandLag) / kBandLag)};
-}
-
 // Keeps sums and keys of a few steps in turn: the smallest keys of one are searched after the work
 // of the next, and the winners after that of the one after, so that neither waits for anything.
 // kBits: of a key below the sum. kAllRows: all rows have pixels at all steps. Does nothing in the
