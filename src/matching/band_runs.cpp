@@ -1,10 +1,13 @@
 #include "src/matching/band_runs.h"
 
+#include <algorithm>
+
 namespace adaptive_grid_stereo {
 namespace {
 
-// A band's stages, each in any of three rows of cells or between two of these.
-constexpr std::size_t kMostAnswers = 8;
+// Enough for each of a band's three stages in any of the three rows of cells, or between two of
+// these.
+constexpr std::size_t kMostAnswers = 16;
 
 // Columns whose disparities all stay inside the right image; none if no kernel makes use of that.
 struct InnerColumns {
@@ -67,19 +70,13 @@ const std::vector<StepRun>& BandRuns::find(const SweepFrame& frame, const SweepR
   for (const Answer& answer : answers_) {
     if (answer.question == question) return answer.runs;
   }
-  if (answers_.size() < kMostAnswers) {
-    answers_.emplace_back();
-    oldest_ = answers_.size() - 1;
-  } else {
-    oldest_ = (oldest_ + 1) % kMostAnswers;
+  if (answers_.size() == kMostAnswers) forget();
+  answers_.push_back({question, {}});
+  std::vector<StepRun>& runs = answers_.back().runs;
+  for (int step = first; step < last; step = runs.back().end) {
+    runs.push_back(findRun(frame, rows, row_count, step, last, inner));
   }
-  Answer& answer = answers_[oldest_];
-  answer.question = question;
-  answer.runs.clear();
-  for (int step = first; step < last; step = answer.runs.back().end) {
-    answer.runs.push_back(findRun(frame, rows, row_count, step, last, inner));
-  }
-  return answer.runs;
+  return runs;
 }
 
 }  // namespace adaptive_grid_stereo

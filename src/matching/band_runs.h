@@ -1,8 +1,8 @@
 #ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_BAND_RUNS_H
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_BAND_RUNS_H
 
-#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "src/matching/sweep.h"
@@ -35,7 +35,6 @@ class BandRuns {
   };
 
   std::vector<Answer> answers_;
-  std::size_t oldest_ = 0;
 };
 
 }  // namespace adaptive_grid_stereo

@@ -38,6 +38,8 @@ void PixelKinds::assign(const PathPlan& original, bool upward) {
   for (int cell = 0; cell < 3; ++cell) fillCell(plan, cell);
 }
 
+std::size_t PixelKinds::cellOfRow(int v) const { return cellOf(row_edges_, v); }
+
 void PixelKinds::fillCell(const PathPlan& plan, int cell) {
   const int width = plan.column_edges[3];
   const auto pathsAt = [&](int u) {

@@ -37,7 +37,7 @@ class PixelKinds {
  private:
   void fillCell(const PathPlan& plan, int cell);
   // The row of cells that row v belongs to.
-  std::size_t cellOfRow(int v) const { return (v >= row_edges_[1]) + (v >= row_edges_[2]); }
+  std::size_t cellOfRow(int v) const;
 
   std::array<int, 4> row_edges_{};
   std::size_t stride_ = 0;  // of the tables

@@ -50,7 +50,8 @@ class Sweeps {
     AlignedBuffer<std::uint8_t> penalties;  // [row of the band][penaltyPlace()]
     RowBuffers buffers;
     SweepRow rows[kBandRows];  // of the band
-    // Where these rows' own places of path costs are: [row of the band][which][u + kPathMargin].
+    // What replaces a row's above_diagonals, above_knights and above2_knights where some of their
+    // pixels are shown as zeros: [row of the band][which of these][u + kPathMargin].
     std::vector<std::uint8_t*> places[kBandRows][3];
     int row_count = 0;
     BandRuns runs;

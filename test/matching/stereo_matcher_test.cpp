@@ -4,6 +4,7 @@
 #include <sched.h>
 #endif
 
+#include <array>
 #include <chrono>
 #include <thread>
 
@@ -30,6 +31,27 @@ TEST(StereoMatcher, reusesItsBuffersForAnySequenceOfFrames) {
     const PathPlan uniform = uniformPlan(round[0], round[1], round[3]);
     EXPECT_TRUE(sameBits(reference::match(images.left, images.right, uniform, config),
                          matcher.match(images.left, images.right, uniform).disparity));
+  }
+}
+
+// As in flight: the size stays, and the grid moves.
+TEST(StereoMatcher, followsThePlanFromFrameToFrame) {
+  const ImagePair images = texturedPair(180, 60, 12, 3, 5);
+  const std::array<int, 4> columns[] = {{0, 60, 120, 180}, {0, 70, 100, 180}, {0, 20, 150, 180}};
+  const std::array<int, 9> paths[] = {{4, 8, 4, 8, 16, 8, 4, 8, 4}, {16, 8, 4, 16, 8, 4, 16, 8, 4}};
+  for (const int threads : {1, 2, 3}) {
+    MatcherConfig config;
+    config.threads = threads;
+    StereoMatcher matcher(config);
+    PathPlan plan = uniformPlan(180, 60, 16);
+    for (const auto& edges : columns) {
+      for (const auto& of_cells : paths) {
+        plan.column_edges = edges;
+        plan.paths = of_cells;
+        EXPECT_TRUE(sameBits(reference::match(images.left, images.right, plan, config),
+                             matcher.match(images.left, images.right, plan).disparity));
+      }
+    }
   }
 }
 
