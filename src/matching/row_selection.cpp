@@ -112,7 +112,9 @@ HWY_ATTR void CheckRow(const std::uint32_t* winners, const std::uint8_t* shifts,
   // One pixel more on either side lets a neighbouring disparity be looked up without asking; one
   // beyond takes the claims of those that have none.
   const std::int32_t nowhere = width + 1;
-  buffers->right.assign(width + 4, kNoClaim);
+  buffers->right.resize(width + 4);
+  // Not vector::assign(): its code is whichever library's the loader finds first, without vectors.
+  std::fill_n(buffers->right.data(), width + 4, kNoClaim);
   for (auto* row : {&buffers->places, &buffers->claims, &buffers->questions}) row->resize(width);
   buffers->answers.resize(2 * static_cast<std::size_t>(width));
   FindClaims(winners, shifts, buffers->indices.data(), disparity, width, config.min_disparity,
