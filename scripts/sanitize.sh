@@ -9,14 +9,21 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
+# The sanitizer's library has to come before all others.
+unset LD_PRELOAD
+
 usage="usage: sanitize.sh address|thread [--simd] [--quick]"
 kind="${1:-}"
 highway=OFF
 quick=false
+jobs=1  # nodes and what they are timed by want the machine for themselves
 for option in "${@:2}"; do
   case "$option" in
     --simd) highway=ON ;;
-    --quick) quick=true ;;
+    --quick)
+      quick=true
+      jobs="${AGS_JOBS:-$(nproc)}"
+      ;;
     *) fail "there is no option $option; $usage" ;;
   esac
 done
@@ -72,7 +79,7 @@ export UBSAN_OPTIONS="log_path=$reports/ubsan:print_stacktrace=1"
 export TSAN_OPTIONS="log_path=$reports/tsan:history_size=7"
 export ROS_HOME="$build/ros_home"
 status=0
-setarch -R ctest --test-dir "$build" --output-on-failure --no-tests=error "${tests[@]}" || status=1
+setarch -R ctest --test-dir "$build" --output-on-failure --no-tests=error -j"$jobs" "${tests[@]}" || status=1
 
 # rostest does not notice what its nodes report.
 if [ -n "$(ls -A "$reports")" ]; then
