@@ -10,6 +10,8 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/matching/row_selection.cpp"
 #include "src/matching/simd-inl.h"
+//
+#include "src/matching/repeat-inl.h"
 
 #if !defined(AGS_ROW_SELECTION_SHARED)
 #define AGS_ROW_SELECTION_SHARED
@@ -40,104 +42,143 @@ HWY_INLINE int SubpixelOffset(int before, int sum, int after) {
          kDisparityScale;
 }
 
-// Disparities of the unique winners, whether the right image agrees or not; and the indices of all.
-HWY_ATTR void InterpolateRow(const WinnerRow& winners, int width, bool subpixel,
-                             std::int32_t* indices, std::int16_t* disparity) {
+// What the winners' row says of a pixel's winner.
+struct Winner {
+  std::int32_t index, sum;  // of any, kNoSum if there is none
+  std::int32_t disparity;   // of one that is unique, else kInvalidDisparity
+};
+
+// Masks instead of branches, which compilers would not turn into vectors.
+HWY_INLINE Winner ReadWinner(std::uint32_t found, std::uint32_t odd, std::uint32_t even,
+                             int subpixel) {
+  const int sum = static_cast<int>(highHalf(found));
+  const int place = static_cast<int>(lowHalf(found & ~kNotUnique));
+  // Of even and odd sums that are equal, the even one wins.
+  const int is_odd = static_cast<int>(lowHalf(even)) != sum;
+  const std::uint32_t beside = odd ^ ((odd ^ even) & static_cast<std::uint32_t>(-is_odd));
+  const int b = static_cast<int>(lowHalf(beside)), a = static_cast<int>(highHalf(beside));
+  const int has_offset = subpixel & -((b != kNoSum) & (a != kNoSum) & (b + a > 2 * sum));
+  const int index = 2 * place + is_odd;
+  const int value = index * kDisparityScale + (SubpixelOffset(b, sum, a) & has_offset);
+  const int invalid = -static_cast<int>(found >> 15 & 1);  // kNotUnique; in kNoWinner, too
+  return {index, sum, (value & ~invalid) | (kInvalidDisparity & invalid)};
+}
+
+// Disparities of the unique winners, whether the right image agrees or not.
+HWY_NOINLINE HWY_ATTR void FindDisparities(const WinnerRow& winners, int width, int subpixel,
+                                           std::int16_t* __restrict disparity) {
   const std::uint32_t* __restrict found = winners.found;
   const std::uint32_t* __restrict odd = winners.odd;
   const std::uint32_t* __restrict even = winners.even;
-  std::int32_t* __restrict index = indices;
-  std::int16_t* __restrict out = disparity;
-  const int wanted = subpixel ? -1 : 0;
-  // Masks instead of branches, which compilers would not turn into vectors.
   for (int x = 0; x < width; ++x) {
-    const int s = static_cast<int>(highHalf(found[x]));
-    const int place = static_cast<int>(lowHalf(found[x] & ~kNotUnique));
-    // Of even and odd sums that are equal, the even one wins.
-    const int is_odd = static_cast<int>(lowHalf(even[x])) != s;
-    const std::uint32_t beside =
-        odd[x] ^ ((odd[x] ^ even[x]) & static_cast<std::uint32_t>(-is_odd));
-    const int b = static_cast<int>(lowHalf(beside)), a = static_cast<int>(highHalf(beside));
-    const int has_offset = wanted & -((b != kNoSum) & (a != kNoSum) & (b + a > 2 * s));
-    const int k = 2 * place + is_odd;
-    const int value = k * kDisparityScale + (SubpixelOffset(b, s, a) & has_offset);
-    const int invalid = -static_cast<int>(found[x] >> 15 & 1);  // kNotUnique; in kNoWinner, too
-    index[x] = k;
-    out[x] = static_cast<std::int16_t>((value & ~invalid) | (kInvalidDisparity & invalid));
+    const Winner winner = ReadWinner(found[x], odd[x], even[x], subpixel);
+    disparity[x] = static_cast<std::int16_t>(winner.disparity);
   }
 }
 
-// What each winner claims: which right pixel, `nowhere` if there is no winner, and by what. And
-// where the right image is asked: at that pixel and at the one to its right, or else to its left,
-// where the winner's neighbour on the side of its sub-pixel disparity would be seen; `questions`
-// has the left one of the two.
-HWY_NOINLINE HWY_ATTR void FindClaims(
-    const std::uint32_t* __restrict found, const std::uint8_t* __restrict shift,
-    const std::int32_t* __restrict index, const std::int16_t* __restrict disparity, int width,
-    int min_disparity, std::int32_t nowhere, std::int32_t* __restrict place,
-    std::int32_t* __restrict claim, std::int32_t* __restrict question) {
+// The same; and what each winner claims: which right pixel, `nowhere` if there is no winner, and by
+// what. And where the right image is asked: at that pixel and at the one to its right, or else to
+// its left, where the winner's neighbour on the side of its sub-pixel disparity would be seen;
+// `questions` has the left one of the two.
+HWY_NOINLINE HWY_ATTR void FindClaims(const WinnerRow& winners,
+                                      const std::uint8_t* __restrict shift, int width, int subpixel,
+                                      int min_disparity, std::int32_t nowhere,
+                                      std::int32_t* __restrict place,
+                                      std::int32_t* __restrict claim,
+                                      std::int32_t* __restrict question,
+                                      std::int16_t* __restrict disparity) {
+  const std::uint32_t* __restrict found = winners.found;
+  const std::uint32_t* __restrict odd = winners.odd;
+  const std::uint32_t* __restrict even = winners.even;
   for (int x = 0; x < width; ++x) {
-    const std::int32_t k = index[x], sum = static_cast<std::int32_t>(highHalf(found[x]));
-    const std::int32_t none = -static_cast<std::int32_t>(sum == kNoSum);
-    const std::int32_t right = ((x - min_disparity - k) & ~none) | (nowhere & none);
+    const Winner winner = ReadWinner(found[x], odd[x], even[x], subpixel);
+    const std::int32_t none = -static_cast<std::int32_t>(winner.sum == kNoSum);
+    const std::int32_t right = ((x - min_disparity - winner.index) & ~none) | (nowhere & none);
     place[x] = right;
-    claim[x] = sum << shift[x] << kIndexBits | k;
-    question[x] = right - (disparity[x] > k * kDisparityScale);
+    claim[x] = winner.sum << shift[x] << kIndexBits | winner.index;
+    question[x] = right - (winner.disparity > winner.index * kDisparityScale);
+    disparity[x] = static_cast<std::int16_t>(winner.disparity);
   }
+}
+
+// Calls f(x) for x = 0 .. count - 1. What goes number by number, compilers would not unroll.
+template <class F>
+HWY_INLINE void ForEach(int count, const F& f) {
+  int x = 0;
+  for (; x + 4 <= count; x += 4) Repeat<4>([&](auto i) AGS_LAMBDA { f(x + i); });
+  for (; x < count; ++x) f(x);
+}
+
+// The left pixels' claims meet: a right pixel keeps the smallest one.
+HWY_INLINE void KeepSmallestClaims(const std::int32_t* __restrict place,
+                                   const std::int32_t* __restrict claim, int width,
+                                   std::int32_t* right) {
+  ForEach(width, [=](int x) AGS_LAMBDA {
+    std::int32_t* kept = right + place[x];
+    *kept = std::min(*kept, claim[x]);
+  });
+}
+
+// The indices at two right pixels side by side, of which question[x] is the first, in halves.
+HWY_INLINE void Ask(const std::uint16_t* right_index, const std::int32_t* __restrict question,
+                    int width, std::uint32_t* __restrict answer) {
+  ForEach(width, [=](int x) AGS_LAMBDA {
+    std::uint32_t both;
+    std::memcpy(&both, right_index + question[x], sizeof(both));
+    asm("" : "+r"(both));  // or else compilers gather vectors number by number
+    answer[x] = both;
+  });
 }
 
 // Drops winners that the right image contradicts, in both of the places where it was asked.
-HWY_ATTR void DropInconsistent(int width, unsigned most, const RowBuffers& buffers,
-                               std::int16_t* disparity) {
-  const std::int32_t* __restrict index = buffers.indices.data();
-  const std::int32_t* __restrict place = buffers.places.data();
-  const std::int32_t* __restrict question = buffers.questions.data();
-  const std::int32_t* __restrict answer = buffers.answers.data();
-  std::int16_t* __restrict value = disparity;
+HWY_ATTR void DropInconsistent(int width, unsigned most, const std::int32_t* __restrict claim,
+                               const std::uint32_t* __restrict answer,
+                               std::int16_t* __restrict value) {
   for (int x = 0; x < width; ++x) {
     // What the winner itself, or its neighbour, would have as index there.
-    const std::int32_t left_k = index[x] + place[x] - question[x], right_k = left_k - 1;
-    const unsigned left = static_cast<unsigned>((answer[2 * x] & kIndexMask) - left_k);
-    const unsigned right = static_cast<unsigned>((answer[2 * x + 1] & kIndexMask) - right_k);
-    const int has_side = value[x] != index[x] * kDisparityScale;
-    const int keep = -((left + most <= 2 * most) | ((right + most <= 2 * most) & has_side));
+    const int index = claim[x] & kIndexMask, offset = value[x] - index * kDisparityScale;
+    const int left_k = index + (offset > 0), right_k = left_k - 1;
+    const unsigned left = lowHalf(answer[x]) - static_cast<unsigned>(left_k);
+    const unsigned right = highHalf(answer[x]) - static_cast<unsigned>(right_k);
+    const int keep = -((left + most <= 2 * most) | ((right + most <= 2 * most) & (offset != 0)));
     value[x] = static_cast<std::int16_t>((value[x] & keep) | (kInvalidDisparity & ~keep));
   }
 }
 
-// The left-right check. Of several winners that claim one right pixel the smallest sum has it, then
-// the smallest disparity.
-HWY_ATTR void CheckRow(const std::uint32_t* winners, const std::uint8_t* shifts, int width,
-                       const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
+// With the left-right check. Of several winners that claim one right pixel the smallest sum has it,
+// then the smallest disparity.
+HWY_ATTR void SelectConsistent(const WinnerRow& winners, const std::uint8_t* shifts, int width,
+                               int subpixel, const MatcherConfig& config, RowBuffers* buffers,
+                               std::int16_t* disparity) {
   // One pixel more on either side lets a neighbouring disparity be looked up without asking; one
   // beyond takes the claims of those that have none.
   const std::int32_t nowhere = width + 1;
-  buffers->right.resize(width + 4);
-  // Not vector::assign(): its code is whichever library's the loader finds first, without vectors.
-  std::fill_n(buffers->right.data(), width + 4, kNoClaim);
+  const int right_size = width + 4;
+  buffers->right.resize(right_size);
+  buffers->right_indices.resize(right_size);
   for (auto* row : {&buffers->places, &buffers->claims, &buffers->questions}) row->resize(width);
-  buffers->answers.resize(2 * static_cast<std::size_t>(width));
-  FindClaims(winners, shifts, buffers->indices.data(), disparity, width, config.min_disparity,
-             nowhere, buffers->places.data(), buffers->claims.data(), buffers->questions.data());
-  std::int32_t* right = buffers->right.data() + 1;
-  const std::int32_t* place = buffers->places.data();
-  const std::int32_t* claim = buffers->claims.data();
-  for (int x = 0; x < width; ++x) right[place[x]] = std::min(right[place[x]], claim[x]);
-  const std::int32_t* question = buffers->questions.data();
-  std::int32_t* answer = buffers->answers.data();
-  for (int x = 0; x < width; ++x) {
-    std::memcpy(answer + 2 * x, right + question[x], 2 * sizeof(*answer));
+  buffers->answers.resize(width);
+  std::int32_t* claims = buffers->claims.data();
+  FindClaims(winners, shifts, width, subpixel, config.min_disparity, nowhere,
+             buffers->places.data(), claims, buffers->questions.data(), disparity);
+  std::int32_t* right = buffers->right.data();
+  std::uint16_t* right_index = buffers->right_indices.data();
+  // Not vector::assign(): its code is whichever library's the loader finds first, without vectors.
+  std::fill_n(right, right_size, kNoClaim);
+  KeepSmallestClaims(buffers->places.data(), claims, width, right + 1);
+  for (int x = 0; x < right_size; ++x) {
+    right_index[x] = static_cast<std::uint16_t>(right[x] & kIndexMask);
   }
+  Ask(right_index + 1, buffers->questions.data(), width, buffers->answers.data());
   const int most = std::min(config.disp12_max_diff, kLargestDifference);
-  DropInconsistent(width, static_cast<unsigned>(most), *buffers, disparity);
+  DropInconsistent(width, static_cast<unsigned>(most), claims, buffers->answers.data(), disparity);
 }
 
 HWY_ATTR void SelectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
                         const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
-  buffers->indices.resize(width);
-  InterpolateRow(winners, width, config.subpixel, buffers->indices.data(), disparity);
-  if (config.disp12_max_diff < 0) return;
-  CheckRow(winners.found, shifts, width, config, buffers, disparity);
+  const int subpixel = config.subpixel ? -1 : 0;
+  if (config.disp12_max_diff < 0) return FindDisparities(winners, width, subpixel, disparity);
+  SelectConsistent(winners, shifts, width, subpixel, config, buffers, disparity);
 }
 
 }  // namespace HWY_NAMESPACE

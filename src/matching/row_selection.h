@@ -11,10 +11,11 @@ namespace adaptive_grid_stereo {
 
 /// Buffers of selectRow, for one thread. Claims are sums and indices: sum << 10 | index.
 struct RowBuffers {
-  std::vector<std::int32_t> indices;             // [x] of the winners' disparities
-  std::vector<std::int32_t> places, claims;      // [x] which right pixel, and by what
-  std::vector<std::int32_t> right;               // the best claim to each right pixel
-  std::vector<std::int32_t> questions, answers;  // [x], [2x] of two right pixels
+  std::vector<std::int32_t> places, claims;  // [x] which right pixel, and by what
+  std::vector<std::int32_t> right;           // the best claim to each right pixel
+  std::vector<std::uint16_t> right_indices;  // its index
+  std::vector<std::int32_t> questions;       // [x] the first of two right pixels
+  std::vector<std::uint32_t> answers;        // [x] the indices of both, in halves
 };
 
 /// Sub-pixel disparity and left-right check of one row's winners.
