@@ -102,25 +102,6 @@ HWY_INLINE int PlaceOfKey(std::uint16_t key, const std::uint16_t* keys) {
   return kPadded > 0 && kPadded / 2 <= lanes ? lane : number * lanes + lane;
 }
 
-// Indices of the even disparities of a block; the odd ones are one larger.
-HWY_INLINE V16 EvenIndices(int block_begin) {
-  const D16 d;
-  alignas(64) static constexpr std::uint16_t kEven[32] = {
-      0,  2,  4,  6,  8,  10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30,
-      32, 34, 36, 38, 40, 42, 44, 46, 48, 50, 52, 54, 56, 58, 60, 62};
-  return hn::Add(hn::Load(d, kEven), hn::Set(d, static_cast<std::uint16_t>(block_begin)));
-}
-
-// Sums of a block beginning at disparity index `at` become kNoSum from index `range` on.
-HWY_INLINE void DropSumsBeyond(int range, int at, ByteSums* sums) {
-  const D16 d;
-  if (at + static_cast<int>(hn::Lanes(D8())) <= range) return;
-  const V16 last = hn::Set(d, static_cast<std::uint16_t>(range - 1)), none = hn::Set(d, kNoSum);
-  const V16 even = EvenIndices(at), odd = hn::Add(even, hn::Set(d, std::uint16_t{1}));
-  sums->even = hn::IfThenElse(hn::Eq(hn::Min(even, last), even), sums->even, none);
-  sums->odd = hn::IfThenElse(hn::Eq(hn::Min(odd, last), odd), sums->odd, none);
-}
-
 // The disparities of a pixel that stay inside the right image: indices begin .. end - 1.
 struct Candidates {
   int begin, end;
@@ -136,18 +117,24 @@ HWY_INLINE Candidates FindCandidates(const SweepFrame& frame, int x) {
 // Sums of a block beginning at disparity index `at` that are no candidate's become kNoSum.
 HWY_INLINE void KeepCandidates(const Candidates& candidates, int at, ByteSums* sums) {
   const D16 d;
-  // No index lies between these two if there is no candidate.
-  const int begin = candidates.none() ? 0xFFFF : candidates.begin;
-  const int back = candidates.none() ? 0xFFFE : candidates.end - 1;
-  const V16 first = hn::Set(d, static_cast<std::uint16_t>(begin));
-  const V16 last = hn::Set(d, static_cast<std::uint16_t>(back));
+  const int lanes = static_cast<int>(hn::Lanes(D8()));
   const V16 none = hn::Set(d, kNoSum);
-  const V16 even = EvenIndices(at), odd = hn::Add(even, hn::Set(d, std::uint16_t{1}));
-  const auto keep = [&](V16 sum, V16 index) AGS_LAMBDA {
-    return hn::IfThenElse(hn::Eq(hn::Min(hn::Max(index, first), last), index), sum, none);
-  };
-  sums->even = keep(sums->even, even);
-  sums->odd = keep(sums->odd, odd);
+  // The even disparities among the first n, and the odd ones.
+  const auto firstEven = [&](std::size_t n) AGS_LAMBDA { return hn::FirstN(d, (n + 1) / 2); };
+  const auto firstOdd = [&](std::size_t n) AGS_LAMBDA { return hn::FirstN(d, n / 2); };
+  const std::size_t end = std::clamp(candidates.end - at, 0, lanes);
+  sums->even = hn::IfThenElse(firstEven(end), sums->even, none);
+  sums->odd = hn::IfThenElse(firstOdd(end), sums->odd, none);
+  if (candidates.begin <= at) return;
+  const std::size_t begin = std::min(candidates.begin - at, lanes);
+  sums->even = hn::IfThenElse(firstEven(begin), none, sums->even);
+  sums->odd = hn::IfThenElse(firstOdd(begin), none, sums->odd);
+}
+
+// Sums of a block beginning at disparity index `at` become kNoSum from index `range` on.
+HWY_INLINE void DropSumsBeyond(int range, int at, ByteSums* sums) {
+  if (at + static_cast<int>(hn::Lanes(D8())) <= range) return;
+  KeepCandidates({0, range}, at, sums);
 }
 
 // A winning sum and its place among those of one parity.
