@@ -34,10 +34,10 @@ struct MatcherConfig {
   CensusWindow census_window = CensusWindow::k9x7;
   /// P1 of eq. 6: penalty for a change of disparity by one pixel [Hamming bits],
   /// 0..kLargestPenalty-1.
-  int penalty_small = 14;
+  int penalty_small = 16;
   /// P2' of eq. 7: penalty for larger changes before it is divided by the grey-level step
   /// [Hamming bits], 1..2000. The quotient is limited to [penalty_large_min, kLargestPenalty].
-  int penalty_large = 1000;
+  int penalty_large = 1400;
   /// Lower limit of P2 [Hamming bits], > penalty_small, <= kLargestPenalty.
   int penalty_large_min = 22;
   /// Divide P2' by the grey-level step (eq. 7); otherwise P2 = min(P2', kLargestPenalty).
