@@ -2,7 +2,8 @@
 # Builds with a sanitizer in a build folder of its own, and runs the tests: nearly all for "address" (with
 # undefined behaviour), those of matching and guidance and of the threads around them for "thread".
 #   scripts/sanitize.sh address|thread [--simd] [--quick]
-# --quick builds and runs less: matching, guidance and the fuzzers' seeds for "address", matching for "thread".
+# --quick builds and runs less, tests side by side: matching, guidance and the fuzzers' seeds for "address", matching
+# for "thread".
 # The kernels are the plain C++ ones, unless --simd is given: with a sanitizer, gcc needs many minutes for the SIMD
 # ones. (scripts/fuzz.sh has those under the address sanitizer, by clang.)
 # Any report of any process fails, also one of a node that a test starts.
@@ -16,13 +17,14 @@ usage="usage: sanitize.sh address|thread [--simd] [--quick]"
 kind="${1:-}"
 highway=OFF
 quick=false
-jobs=1  # nodes and what they are timed by want the machine for themselves
+cores="${AGS_JOBS:-$(nproc)}"
+jobs=1  # tests with nodes want the machine for themselves, lest time limits pass
 for option in "${@:2}"; do
   case "$option" in
     --simd) highway=ON ;;
     --quick)
       quick=true
-      jobs="${AGS_JOBS:-$(nproc)}"
+      jobs="$cores"
       ;;
     *) fail "there is no option $option; $usage" ;;
   esac
@@ -60,10 +62,10 @@ say "Building in $build"
 cmake -S "$repository" -B "$build" -DCMAKE_BUILD_TYPE=RelWithDebInfo \
   -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -fno-var-tracking" -DAGS_SANITIZE="$flags" -DAGS_WITH_HIGHWAY="$highway"
 if $quick; then
-  cmake --build "$build" -j"${AGS_JOBS:-$(nproc)}" --target "${targets[@]}"
+  cmake --build "$build" -j"$cores" --target "${targets[@]}"
 else
-  cmake --build "$build" -j"${AGS_JOBS:-$(nproc)}"
-  cmake --build "$build" -j"${AGS_JOBS:-$(nproc)}" --target tests
+  cmake --build "$build" -j"$cores"
+  cmake --build "$build" -j"$cores" --target tests
 fi
 
 say "Testing"

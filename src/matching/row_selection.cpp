@@ -119,7 +119,8 @@ HWY_INLINE void KeepSmallestClaims(const std::int32_t* __restrict place,
   });
 }
 
-// The indices at two right pixels side by side, of which question[x] is the first, in halves.
+// The indices at two right pixels side by side, of which question[x] is the first, in halves: the
+// first one's low, as the CPUs that this is built for have it.
 HWY_INLINE void Ask(const std::uint16_t* right_index, const std::int32_t* __restrict question,
                     int width, std::uint32_t* __restrict answer) {
   ForEach(width, [=](int x) AGS_LAMBDA {
@@ -130,7 +131,8 @@ HWY_INLINE void Ask(const std::uint16_t* right_index, const std::int32_t* __rest
   });
 }
 
-// Drops winners that the right image contradicts, in both of the places where it was asked.
+// Drops winners that the right image contradicts, in both of the places where it was asked. (Where
+// there is no winner, the claim's index means nothing; the value is invalid and stays so.)
 HWY_ATTR void DropInconsistent(int width, unsigned most, const std::int32_t* __restrict claim,
                                const std::uint32_t* __restrict answer,
                                std::int16_t* __restrict value) {

@@ -15,7 +15,7 @@ struct RowBuffers {
   std::vector<std::int32_t> right;           // the best claim to each right pixel
   std::vector<std::uint16_t> right_indices;  // its index
   std::vector<std::int32_t> questions;       // [x] the first of two right pixels
-  std::vector<std::uint32_t> answers;        // [x] the indices of both, in halves
+  std::vector<std::uint32_t> answers;        // [x] the indices of both, in halves, low first
 };
 
 /// Sub-pixel disparity and left-right check of one row's winners.
