@@ -27,6 +27,9 @@ static_assert(2 * kBandLag > kBandLag + 1 && 2 * kBandLag > kPathMargin,
 // so far behind its first one, and paths reach kPathMargin farther.
 constexpr int kSharedPixels = Strips::kReach;
 
+// The ring of a band's last row but one, wherever that is: no other row before the last one has it.
+constexpr int kSpareRing = kBandRows - 2;
+
 constexpr int kShared = -1;
 
 // The strip that alone touches column u, or kShared.
@@ -51,6 +54,7 @@ void PathRows::prepare(int width, const PathLayout& layout, int strips) {
   row_pixels_ = static_cast<std::size_t>(width) + 2 * kPathMargin;
   // The first and the last strip are up to so many bands apart.
   sets_ = strips == 1 ? 0 : 2 * strips + 2;
+  static_assert(kBoundaries == 2, "or else a set would not belong to one boundary");
   const auto reserve = [&](std::size_t pixels, AlignedBuffer<std::uint8_t>* buffer) {
     // Neighbours of the last disparity are read one byte further.
     const std::size_t bytes = pixels * layout.pixel_stride + kMaxLanes;
@@ -70,47 +74,80 @@ void PathRows::prepare(int width, const PathLayout& layout, int strips) {
   edges_.clear();
 }
 
-void PathRows::assign(const Bands& bands, const std::vector<int>& edges) {
+void PathRows::assign(const Bands& bands, const std::vector<int>& edges, const PixelKinds& kinds,
+                      bool anew) {
   bands_ = bands;
-  if (edges_ == edges) return;
-  edges_ = edges;
-  const int sets = std::max(1, sets_);
+  kinds_ = &kinds;
+  if (edges_ == edges && !anew) return;
+  if (edges_ != edges) {
+    edges_ = edges;
+    placeRings();
+  }
+  placeBoundaries();
+}
+
+void PathRows::placeRings() {
   // All pixels outside of the image share one place of zeros, which nobody writes to.
-  boundary_places_.assign(2 * kBoundaries * row_pixels_, zero_.data());
-  ring_places_.assign(static_cast<std::size_t>(sets) * kBandRows * row_pixels_, zero_.data());
-  for (std::size_t i = kPathMargin; i < row_pixels_ - kPathMargin; ++i) {
-    const int owner = ownerOf(edges_, static_cast<int>(i) - kPathMargin);
-    const bool owned = owner != kShared;
-    for (std::size_t row = 0; row < 2 * kBoundaries; ++row) {
-      const std::size_t place = (owned ? row % 2 : row) * row_pixels_ + i;
-      boundary_places_[row * row_pixels_ + i] = boundary_.data() + place * layout_.pixel_stride;
-    }
-    for (int set = 0; set < sets; ++set) {
-      for (int row = 0; row < kBandRows; ++row) {
-        const std::size_t ring =
-            static_cast<std::size_t>(owned ? sets_ + owner : set) * kBandRows + row;
-        ring_places_[(static_cast<std::size_t>(set) * kBandRows + row) * row_pixels_ + i] =
-            rings_.data() + (ring * kRingPixels + i % kRingPixels) * layout_.pixel_stride;
+  ring_places_.assign(static_cast<std::size_t>(sets()) * kBandRows * row_pixels_, zero_.data());
+  std::uint8_t** places = ring_places_.data();
+  for (int set = 0; set < sets(); ++set) {
+    for (int row = 0; row < kBandRows; ++row, places += row_pixels_) {
+      for (std::size_t i = kPathMargin; i < row_pixels_ - kPathMargin; ++i) {
+        const int owner = ownerOf(edges_, static_cast<int>(i) - kPathMargin);
+        const std::size_t ring = (owner == kShared ? set : sets_ + owner) * kBandRows + row;
+        places[i] = rings_.data() + (ring * kRingPixels + i % kRingPixels) * layout_.pixel_stride;
       }
     }
   }
 }
 
-PathRow PathRows::boundaryRow(int band, int from_last) const {
-  if (band < 0 || from_last >= bands_.rows(band)) return zeros();
-  const std::size_t slot = band % kBoundaries;
-  return boundary_places_.data() + (2 * slot + from_last) * row_pixels_ + kPathMargin;
+std::uint8_t* PathRows::boundaryPlace(int slot, int from_last, std::size_t i) {
+  const bool shared = ownerOf(edges_, static_cast<int>(i) - kPathMargin) == kShared;
+  const std::size_t row = (shared ? 2 * slot : 0) + from_last;
+  return boundary_.data() + (row * row_pixels_ + i) * layout_.pixel_stride;
+}
+
+void PathRows::placeBoundaries() {
+  last_places_.assign(kBoundaries * row_pixels_, zero_.data());
+  for (int slot = 0; slot < kBoundaries; ++slot) {
+    std::uint8_t** places = last_places_.data() + slot * row_pixels_;
+    for (std::size_t i = kPathMargin; i < row_pixels_ - kPathMargin; ++i) {
+      places[i] = boundaryPlace(slot, 0, i);
+    }
+  }
+  last_but_one_places_.resize(3 * static_cast<std::size_t>(sets()) * row_pixels_);
+  std::uint8_t** places = last_but_one_places_.data();
+  for (int cell = 0; cell < 3; ++cell) {
+    const std::uint8_t* kinds = kinds_->ofCells(cell) - kPathMargin;
+    for (int set = 0; set < sets(); ++set, places += row_pixels_) {
+      const std::size_t ring = static_cast<std::size_t>(set) * kBandRows + kSpareRing;
+      std::copy_n(ring_places_.data() + ring * row_pixels_, row_pixels_, places);
+      for (std::size_t i = kPathMargin; i < row_pixels_ - kPathMargin; ++i) {
+        const bool is_kept = kinds[i] == kEight || (kinds[i] & kClearRest) != 0;
+        if (is_kept) places[i] = boundaryPlace(set % kBoundaries, 1, i);
+      }
+    }
+  }
 }
 
 PathRow PathRows::rowOf(int band, int row) const {
-  if (row < 0) return boundaryRow(band - 1, -1 - row);
+  if (row < 0) {
+    const int above = band - 1;
+    return above < 0 || bands_.rows(above) + row < 0 ? zeros()
+                                                     : rowOf(above, bands_.rows(above) + row);
+  }
   const int row_count = bands_.rows(band), from_last = row_count - 1 - row;
+  const std::size_t set = band % sets();
   // A band with fewer rows would write over what it still reads of the band before. If it is the
   // last one, nobody needs its rows.
-  if ((row_count == kBandRows || band == 0) && from_last < 2) {
-    return boundaryRow(band, from_last);
+  const bool leaves_rows = row_count == kBandRows || band == 0;
+  if (leaves_rows && from_last == 0) {
+    return last_places_.data() + band % kBoundaries * row_pixels_ + kPathMargin;
   }
-  const std::size_t set = sets_ > 0 ? band % sets_ : 0;
+  if (leaves_rows && from_last == 1) {
+    const std::size_t cell = kinds_->cellOfRow(bands_.firstRow(band) + row);
+    return last_but_one_places_.data() + (cell * sets() + set) * row_pixels_ + kPathMargin;
+  }
   return ring_places_.data() + (set * kBandRows + row) * row_pixels_ + kPathMargin;
 }
 

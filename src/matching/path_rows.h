@@ -1,29 +1,34 @@
 #ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_PATH_ROWS_H
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_PATH_ROWS_H
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "src/matching/aligned_buffer.h"
 #include "src/matching/bands.h"
+#include "src/matching/pixel_kinds.h"
 #include "src/matching/sweep.h"
 
 namespace adaptive_grid_stereo {
 
 /// Where the path costs of a sweep's rows lie: in as little memory as their readers allow, so that
-/// it stays in the caches. A band leaves its last two rows, whole, to the next one; its other rows
-/// keep only their last few pixels, in rings. Each strip writes over what it wrote for the band
-/// before. But for pixels near a border between strips, which the neighbour may still read: there,
-/// bands take turns.
+/// it stays in the caches. A band leaves its last row to the next one, and of the row before it the
+/// pixels of cells of 16 paths (and those beside them), as no other path skips a row; of the rest
+/// only the last few pixels of a row are kept, in rings. Each strip writes over what it wrote for
+/// the band before. But for pixels near a border between strips, which the neighbour may still
+/// read: there, bands take turns.
 class PathRows {
  public:
   /// Makes buffers for the size and for at most so many strips where they are too small. Path costs
   /// beyond the range are 255.
   void prepare(int width, const PathLayout& layout, int strips);
 
-  /// Must be called before a sweep. edges: of its strips.
-  void assign(const Bands& bands, const std::vector<int>& edges);
+  /// Must be called before a sweep. edges: of its strips. kinds: must be as they are until the
+  /// sweep ends; anew: whether they are others than in the last call.
+  void assign(const Bands& bands, const std::vector<int>& edges, const PixelKinds& kinds,
+              bool anew);
 
   /// Tells the places of row `row` of a band, and of the two rows above it.
   void find(int band, int row, SweepRow* out) const;
@@ -32,7 +37,12 @@ class PathRows {
   PathRow zeros() const { return zero_row_.data() + kPathMargin; }
 
  private:
-  PathRow boundaryRow(int band, int from_last) const;
+  void placeRings();
+  void placeBoundaries();
+  // The place of a pixel in a boundary.
+  std::uint8_t* boundaryPlace(int slot, int from_last, std::size_t i);
+  // Sets of places in rings, of which each band takes one in turn.
+  int sets() const { return std::max(1, sets_); }
   PathRow rowOf(int band, int row) const;
 
   int width_ = 0;
@@ -45,9 +55,11 @@ class PathRows {
   AlignedBuffer<std::uint8_t> zero_;     // one pixel
   std::vector<std::uint8_t*> zero_row_;  // [u]
   Bands bands_;
-  std::vector<int> edges_;                      // of the strips that the rest is for
-  std::vector<std::uint8_t*> boundary_places_;  // [slot][last or last but one row][u]
-  std::vector<std::uint8_t*> ring_places_;      // [set][row][u]
+  const PixelKinds* kinds_ = nullptr;
+  std::vector<int> edges_;                          // of the strips that the rest is for
+  std::vector<std::uint8_t*> ring_places_;          // [set][row][u]
+  std::vector<std::uint8_t*> last_places_;          // [slot][u]
+  std::vector<std::uint8_t*> last_but_one_places_;  // [row of cells][set][u]
 };
 
 }  // namespace adaptive_grid_stereo

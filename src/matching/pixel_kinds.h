@@ -20,10 +20,16 @@ class PixelKinds {
   /// For the upward sweep the plan is turned by 180 degrees.
   void assign(const PathPlan& plan, bool upward);
 
-  /// Kinds of row v at [u], -kPathMargin .. width + kPathMargin - 1.
-  const std::uint8_t* row(int v) const {
-    return tables_.data() + cellOfRow(v) * stride_ + kPathMargin;
+  /// The row of cells that row v belongs to.
+  std::size_t cellOfRow(int v) const;
+
+  /// Kinds of a row of cells' pixels at [u], -kPathMargin .. width + kPathMargin - 1.
+  const std::uint8_t* ofCells(std::size_t cell) const {
+    return tables_.data() + cell * stride_ + kPathMargin;
   }
+
+  /// The same of row v.
+  const std::uint8_t* row(int v) const { return ofCells(cellOfRow(v)); }
 
   /// For each u of row v the next one of another kind, or of the row's end.
   const int* ends(int v) const { return ends_.data() + cellOfRow(v) * stride_ + kPathMargin; }
@@ -36,9 +42,6 @@ class PixelKinds {
 
  private:
   void fillCell(const PathPlan& plan, int cell);
-  // The row of cells that row v belongs to.
-  std::size_t cellOfRow(int v) const;
-
   std::array<int, 4> row_edges_{};
   std::size_t stride_ = 0;  // of the tables
   std::vector<std::uint8_t> tables_;

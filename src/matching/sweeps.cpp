@@ -72,7 +72,8 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
 void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
                  ThreadPool* pool, cv::Mat* disparity) {
   const int width = frames_[kDown].width, height = frames_[kDown].height;
-  if (plan_ != plan) {
+  const bool new_plan = plan_ != plan;
+  if (new_plan) {
     plan_ = plan;
     for (const int sweep : {kDown, kUp}) kinds_[sweep].assign(plan, sweep == kUp);
     for (Worker& worker : workers_) worker.runs.forget();
@@ -96,7 +97,7 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
   }
   strips_.assign(plan_, threads_, &stop);
   for (const int sweep : {kDown, kUp}) {
-    path_rows_[sweep].assign(bands_[sweep], strips_.edges(sweep));
+    path_rows_[sweep].assign(bands_[sweep], strips_.edges(sweep), kinds_[sweep], new_plan);
   }
   pool->run([&](int thread) {
     if (thread >= strips_.count()) return;
