@@ -22,8 +22,8 @@ HWY_INLINE void AggregatePixel(const SweepRow& row, int u, V8 cost_of_all, V8 pe
   V8 smallest[kSweepDirections];
   for (int k = 0; k < kRange; k += lanes) {
     ByteSums sums[1];
-    AggregateVectors<kSweepDirections, 1, kRange>(row, u, pixel, kRange, &cost_of_all, k,
-                                                  penalty_small, smallest, sums);
+    AggregateVectors<kSweepDirections, 1>(row, u, pixel, kRange, &cost_of_all, k, penalty_small,
+                                          smallest, sums);
     sums[0].Finish();
     // The sums go where the smallest costs of no direction are, so that they are not optimised
     // away.

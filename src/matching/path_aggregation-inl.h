@@ -123,6 +123,39 @@ struct Neighbours {
   V8 here, below, above;
 };
 
+#if HWY_TARGET == HWY_AVX3_DL
+
+// Indices of permutations by one byte, at whose end the byte stands again.
+struct MovedBytes {
+  alignas(64) std::uint8_t below[64], above[64];
+};
+constexpr MovedBytes makeMovedBytes() {
+  MovedBytes from{};
+  for (int i = 0; i < 64; ++i) {
+    from.below[i] = static_cast<std::uint8_t>(i == 0 ? 0 : i - 1);
+    from.above[i] = static_cast<std::uint8_t>(i == 63 ? 63 : i + 1);
+  }
+  return from;
+}
+static constexpr MovedBytes kMovedBytes = makeMovedBytes();
+
+// Beyond either end of the range the cost at the end stands again, which costs P1 more there than
+// where it is, so it never counts. There bytes move within a register; elsewhere they are loaded,
+// though vectors as wide as cache lines make every such load touch two: a permutation of two
+// vectors takes longer.
+HWY_INLINE Neighbours LoadNeighbours(D8 d, const Path& path, int k, int padded_range) {
+  const std::uint8_t* from = path.from + k;
+  const V8 here = hn::Load(d, from);
+  const auto moved = [&](const std::uint8_t* indices) AGS_LAMBDA {
+    return V8{_mm512_permutexvar_epi8(_mm512_load_si512(indices), here.raw)};
+  };
+  const bool is_last = k + 64 == padded_range;
+  return {here, k == 0 ? moved(kMovedBytes.below) : hn::LoadU(d, from - 1),
+          is_last ? moved(kMovedBytes.above) : hn::LoadU(d, from + 1)};
+}
+
+#else
+
 // Beyond either end of the range stands 255, where other bytes lie in memory.
 HWY_INLINE Neighbours LoadNeighbours(D8 d, const Path& path, int k, int padded_range) {
   alignas(64) static constexpr std::uint8_t kBelow[kMaxLanes] = {255};
@@ -138,48 +171,6 @@ HWY_INLINE Neighbours LoadNeighbours(D8 d, const Path& path, int k, int padded_r
   return {hn::Load(d, from), below, above};
 }
 
-#if HWY_TARGET == HWY_AVX3_DL
-// The same for all kVectors vectors of a range. Vectors as wide as cache lines make every load that
-// is not aligned touch two of them, so bytes are moved between registers instead. Beyond either end
-// the cost at the end stands again, which costs P1 more there than where it is, so it never counts.
-constexpr bool kMovesBytes = true;
-
-// Indices of permutations, for the costs one disparity below and above: of the range's first and
-// last vector by itself, and of two neighbouring vectors together.
-struct MovedBytes {
-  alignas(64) std::uint8_t below_first[64], below[64], above_last[64], above[64];
-};
-constexpr MovedBytes makeMovedBytes() {
-  MovedBytes from{};
-  for (int i = 0; i < 64; ++i) {
-    from.below_first[i] = static_cast<std::uint8_t>(i == 0 ? 0 : i - 1);
-    from.below[i] = static_cast<std::uint8_t>(63 + i);
-    from.above_last[i] = static_cast<std::uint8_t>(i == 63 ? 63 : i + 1);
-    from.above[i] = static_cast<std::uint8_t>(i + 1);
-  }
-  return from;
-}
-static constexpr MovedBytes kMovedBytes = makeMovedBytes();
-template <int kVectors>
-HWY_INLINE void LoadAllNeighbours(D8 d, const Path& path, Neighbours* all) {
-  const __m512i below_first = _mm512_load_si512(kMovedBytes.below_first);
-  const __m512i above_last = _mm512_load_si512(kMovedBytes.above_last);
-  const __m512i below = _mm512_load_si512(kMovedBytes.below);
-  const __m512i above = _mm512_load_si512(kMovedBytes.above);
-  for (int i = 0; i < kVectors; ++i) all[i].here = hn::Load(d, path.from + i * 64);
-  for (int i = 0; i < kVectors; ++i) {
-    const __m512i here = all[i].here.raw;
-    all[i].below = V8{i == 0 ? _mm512_permutexvar_epi8(below_first, here)
-                             : _mm512_permutex2var_epi8(all[i - 1].here.raw, below, here)};
-    all[i].above =
-        V8{i + 1 == kVectors ? _mm512_permutexvar_epi8(above_last, here)
-                             : _mm512_permutex2var_epi8(here, above, all[i + 1].here.raw)};
-  }
-}
-#else
-constexpr bool kMovesBytes = false;
-template <int kVectors>
-HWY_INLINE void LoadAllNeighbours(D8, const Path&, Neighbours*) {}
 #endif
 
 // Eq. 6 without the matching cost: min(L(d), L(d +- 1) + P1, min L + P2) - min L, at most P2.
@@ -244,8 +235,8 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* to) {
 
 // The path costs of `kVectors` vectors of disparities from index k on, for all directions; adds the
 // transitions to the sums, which are not finished then. (The matching cost is added later, once for
-// all directions.) kPadded: the padded range where it is known at compile time, else 0.
-template <int kDirections, int kVectors, int kPadded, class Sums>
+// all directions.)
+template <int kDirections, int kVectors, class Sums>
 HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel, int padded_range,
                                  const V8* cost, int k, V8 penalty_small, V8* smallest,
                                  Sums* sums) {
@@ -255,21 +246,11 @@ HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel
     constexpr int kA = 2 * decltype(pair_of)::value, kB = kA + 1;
     const Path path_a = MakePath<kA>(d, row, u, pixel, padded_range);
     const Path path_b = MakePath<kB>(d, row, u, pixel, padded_range);
-    constexpr bool kWhole = kMovesBytes && kPadded == kVectors * 64;
-    Neighbours all_a[kVectors], all_b[kVectors];
-    if constexpr (kWhole) {
-      LoadAllNeighbours<kVectors>(d, path_a, all_a);
-      LoadAllNeighbours<kVectors>(d, path_b, all_b);
-    }
     Repeat<kVectors>([&](auto vector) AGS_LAMBDA {
       constexpr int i = decltype(vector)::value;
       const int at = k + i * lanes;
-      if constexpr (!kWhole) {
-        all_a[i] = LoadNeighbours(d, path_a, at, padded_range);
-        all_b[i] = LoadNeighbours(d, path_b, at, padded_range);
-      }
-      const V8 a = Transition(path_a, all_a[i], penalty_small);
-      const V8 b = Transition(path_b, all_b[i], penalty_small);
+      const V8 a = Transition(path_a, LoadNeighbours(d, path_a, at, padded_range), penalty_small);
+      const V8 b = Transition(path_b, LoadNeighbours(d, path_b, at, padded_range), penalty_small);
       const V8 cost_a = hn::SaturatedAdd(a, cost[i]), cost_b = hn::SaturatedAdd(b, cost[i]);
       hn::Store(cost_a, d, path_a.to + at);
       hn::Store(cost_b, d, path_b.to + at);

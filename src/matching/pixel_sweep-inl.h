@@ -89,8 +89,8 @@ struct PixelSweep {
         }
       }
       std::conditional_t<kDirections == 4, LowSums, ByteSums> sums[kVectors];
-      AggregateVectors<kDirections, kVectors, kPadded>(row, u, pixel, PaddedRange(frame), cost, k,
-                                                       penalty_small, smallest, sums);
+      AggregateVectors<kDirections, kVectors>(row, u, pixel, PaddedRange(frame), cost, k,
+                                              penalty_small, smallest, sums);
       for (int i = 0; i < kVectors; ++i) Pack(frame, cost[i], sums[i], volume + k + i * lanes);
     });
   }
@@ -116,8 +116,8 @@ struct PixelSweep {
       V8 cost[kVectors];
       for (int i = 0; i < kVectors; ++i) cost[i] = UnpackCost(frame, volume, k + i * lanes);
       ByteSums part[kVectors];
-      AggregateVectors<kDirections, kVectors, kPadded>(row, u, pixel, PaddedRange(frame), cost, k,
-                                                       penalty_small, smallest, part);
+      AggregateVectors<kDirections, kVectors>(row, u, pixel, PaddedRange(frame), cost, k,
+                                              penalty_small, smallest, part);
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
         if (kDirections == 8) part[i].Finish();

@@ -21,8 +21,8 @@
 namespace adaptive_grid_stereo {
 
 /// Rows that a sweep advances together, one behind the other. Their pixels alternate, so that the
-/// latency of one row's horizontal path hides behind the others' work, and all but the last two of
-/// their rows of path costs stay in the first-level cache.
+/// latency of one row's horizontal path hides behind the others' work, and what the next ones do
+/// not need of their path costs stays in the first-level cache.
 constexpr int kBandRows = 4;
 
 /// Pixels that a row of a band stays behind the one above it: it needs path costs up to two pixels
