@@ -78,53 +78,60 @@ void PathRows::assign(const Bands& bands, const std::vector<int>& edges, const P
                       bool anew) {
   bands_ = bands;
   kinds_ = &kinds;
-  if (edges_ == edges && !anew) return;
-  if (edges_ != edges) {
+  const bool moved = edges_ != edges;
+  if (moved) {
     edges_ = edges;
-    placeRings();
+    owners_.resize(row_pixels_);
+    for (std::size_t i = 0; i < row_pixels_; ++i) {
+      owners_[i] = ownerOf(edges_, static_cast<int>(i) - kPathMargin);
+    }
+    placeRingsAndLastRows();
   }
-  placeBoundaries();
+  if (moved || anew) placeLastButOneRows();
 }
 
-void PathRows::placeRings() {
+std::uint8_t* PathRows::boundaryPlace(int slot, int from_last, std::size_t i) {
+  const std::size_t row = (owners_[i] == kShared ? 2 * slot : 0) + from_last;
+  return boundary_.data() + (row * row_pixels_ + i) * layout_.pixel_stride;
+}
+
+void PathRows::placeRingsAndLastRows() {
   // All pixels outside of the image share one place of zeros, which nobody writes to.
   ring_places_.assign(static_cast<std::size_t>(sets()) * kBandRows * row_pixels_, zero_.data());
   std::uint8_t** places = ring_places_.data();
   for (int set = 0; set < sets(); ++set) {
     for (int row = 0; row < kBandRows; ++row, places += row_pixels_) {
       for (std::size_t i = kPathMargin; i < row_pixels_ - kPathMargin; ++i) {
-        const int owner = ownerOf(edges_, static_cast<int>(i) - kPathMargin);
-        const std::size_t ring = (owner == kShared ? set : sets_ + owner) * kBandRows + row;
+        const int rings = owners_[i] == kShared ? set : sets_ + owners_[i];
+        const std::size_t ring = static_cast<std::size_t>(rings) * kBandRows + row;
         places[i] = rings_.data() + (ring * kRingPixels + i % kRingPixels) * layout_.pixel_stride;
       }
     }
   }
-}
-
-std::uint8_t* PathRows::boundaryPlace(int slot, int from_last, std::size_t i) {
-  const bool shared = ownerOf(edges_, static_cast<int>(i) - kPathMargin) == kShared;
-  const std::size_t row = (shared ? 2 * slot : 0) + from_last;
-  return boundary_.data() + (row * row_pixels_ + i) * layout_.pixel_stride;
-}
-
-void PathRows::placeBoundaries() {
   last_places_.assign(kBoundaries * row_pixels_, zero_.data());
   for (int slot = 0; slot < kBoundaries; ++slot) {
-    std::uint8_t** places = last_places_.data() + slot * row_pixels_;
+    places = last_places_.data() + slot * row_pixels_;
     for (std::size_t i = kPathMargin; i < row_pixels_ - kPathMargin; ++i) {
       places[i] = boundaryPlace(slot, 0, i);
     }
   }
+}
+
+void PathRows::placeLastButOneRows() {
   last_but_one_places_.resize(3 * static_cast<std::size_t>(sets()) * row_pixels_);
-  std::uint8_t** places = last_but_one_places_.data();
   for (int cell = 0; cell < 3; ++cell) {
     const std::uint8_t* kinds = kinds_->ofCells(cell) - kPathMargin;
-    for (int set = 0; set < sets(); ++set, places += row_pixels_) {
+    const auto isKept = [](std::uint8_t kind) {
+      return kind == kEight || (kind & kClearRest) != 0;
+    };
+    keeps_pixels_[cell] = std::any_of(kinds, kinds + row_pixels_, isKept);
+    for (int set = 0; set < sets() && keeps_pixels_[cell]; ++set) {
       const std::size_t ring = static_cast<std::size_t>(set) * kBandRows + kSpareRing;
+      const std::size_t row = static_cast<std::size_t>(cell) * sets() + set;
+      std::uint8_t** places = last_but_one_places_.data() + row * row_pixels_;
       std::copy_n(ring_places_.data() + ring * row_pixels_, row_pixels_, places);
       for (std::size_t i = kPathMargin; i < row_pixels_ - kPathMargin; ++i) {
-        const bool is_kept = kinds[i] == kEight || (kinds[i] & kClearRest) != 0;
-        if (is_kept) places[i] = boundaryPlace(set % kBoundaries, 1, i);
+        if (isKept(kinds[i])) places[i] = boundaryPlace(set % kBoundaries, 1, i);
       }
     }
   }
@@ -144,10 +151,13 @@ PathRow PathRows::rowOf(int band, int row) const {
   if (leaves_rows && from_last == 0) {
     return last_places_.data() + band % kBoundaries * row_pixels_ + kPathMargin;
   }
-  if (leaves_rows && from_last == 1) {
-    const std::size_t cell = kinds_->cellOfRow(bands_.firstRow(band) + row);
-    return last_but_one_places_.data() + (cell * sets() + set) * row_pixels_ + kPathMargin;
-  }
+  if (!leaves_rows || from_last != 1) return ringRow(set, row);
+  const std::size_t cell = kinds_->cellOfRow(bands_.firstRow(band) + row);
+  if (!keeps_pixels_[cell]) return ringRow(set, kSpareRing);
+  return last_but_one_places_.data() + (cell * sets() + set) * row_pixels_ + kPathMargin;
+}
+
+PathRow PathRows::ringRow(std::size_t set, int row) const {
   return ring_places_.data() + (set * kBandRows + row) * row_pixels_ + kPathMargin;
 }
 

@@ -37,13 +37,14 @@ class PathRows {
   PathRow zeros() const { return zero_row_.data() + kPathMargin; }
 
  private:
-  void placeRings();
-  void placeBoundaries();
+  void placeRingsAndLastRows();
+  void placeLastButOneRows();
   // The place of a pixel in a boundary.
   std::uint8_t* boundaryPlace(int slot, int from_last, std::size_t i);
   // Sets of places in rings, of which each band takes one in turn.
   int sets() const { return std::max(1, sets_); }
   PathRow rowOf(int band, int row) const;
+  PathRow ringRow(std::size_t set, int row) const;
 
   int width_ = 0;
   int strips_ = 0;
@@ -56,10 +57,13 @@ class PathRows {
   std::vector<std::uint8_t*> zero_row_;  // [u]
   Bands bands_;
   const PixelKinds* kinds_ = nullptr;
-  std::vector<int> edges_;                          // of the strips that the rest is for
-  std::vector<std::uint8_t*> ring_places_;          // [set][row][u]
-  std::vector<std::uint8_t*> last_places_;          // [slot][u]
-  std::vector<std::uint8_t*> last_but_one_places_;  // [row of cells][set][u]
+  std::vector<int> edges_;                  // of the strips that the rest is for
+  std::vector<int> owners_;                 // the strip that alone touches a column, or none, [u]
+  std::vector<std::uint8_t*> ring_places_;  // [set][row][u]
+  std::vector<std::uint8_t*> last_places_;  // [slot][u]
+  // Of rows of cells that keep pixels of a band's last row but one: [row of cells][set][u].
+  std::vector<std::uint8_t*> last_but_one_places_;
+  bool keeps_pixels_[3] = {};
 };
 
 }  // namespace adaptive_grid_stereo
