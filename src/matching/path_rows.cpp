@@ -30,6 +30,10 @@ constexpr int kSharedPixels = Strips::kReach;
 // The ring of a band's last row but one, wherever that is: no other row before the last one has it.
 constexpr int kSpareRing = kBandRows - 2;
 
+// Whether the next band reads a pixel of its last row but one, by the directions that skip a row:
+// one that has them, or one beside those, which shows zeros to them.
+bool isKept(std::uint8_t kind) { return kind == kEight || (kind & kClearRest) != 0; }
+
 constexpr int kShared = -1;
 
 // The strip that alone touches column u, or kShared.
@@ -121,9 +125,6 @@ void PathRows::placeLastButOneRows() {
   last_but_one_places_.resize(3 * static_cast<std::size_t>(sets()) * row_pixels_);
   for (int cell = 0; cell < 3; ++cell) {
     const std::uint8_t* kinds = kinds_->ofCells(cell) - kPathMargin;
-    const auto isKept = [](std::uint8_t kind) {
-      return kind == kEight || (kind & kClearRest) != 0;
-    };
     keeps_pixels_[cell] = std::any_of(kinds, kinds + row_pixels_, isKept);
     for (int set = 0; set < sets() && keeps_pixels_[cell]; ++set) {
       const std::size_t ring = static_cast<std::size_t>(set) * kBandRows + kSpareRing;
@@ -139,9 +140,8 @@ void PathRows::placeLastButOneRows() {
 
 PathRow PathRows::rowOf(int band, int row) const {
   if (row < 0) {
-    const int above = band - 1;
-    return above < 0 || bands_.rows(above) + row < 0 ? zeros()
-                                                     : rowOf(above, bands_.rows(above) + row);
+    const int of_above = band == 0 ? -1 : bands_.rows(band - 1) + row;
+    return of_above < 0 ? zeros() : rowOf(band - 1, of_above);
   }
   const int row_count = bands_.rows(band), from_last = row_count - 1 - row;
   const std::size_t set = band % sets();

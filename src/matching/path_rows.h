@@ -39,7 +39,7 @@ class PathRows {
  private:
   void placeRingsAndLastRows();
   void placeLastButOneRows();
-  // The place of a pixel in a boundary.
+  // The place of pixel i - kPathMargin in a boundary's last (0) or last but one row (1).
   std::uint8_t* boundaryPlace(int slot, int from_last, std::size_t i);
   // Sets of places in rings, of which each band takes one in turn.
   int sets() const { return std::max(1, sets_); }

@@ -20,7 +20,7 @@ class PixelKinds {
   /// For the upward sweep the plan is turned by 180 degrees.
   void assign(const PathPlan& plan, bool upward);
 
-  /// The row of cells that row v belongs to.
+  /// The row of cells that row v belongs to: 0, 1 or 2.
   std::size_t cellOfRow(int v) const;
 
   /// Kinds of a row of cells' pixels at [u], -kPathMargin .. width + kPathMargin - 1.
@@ -42,6 +42,7 @@ class PixelKinds {
 
  private:
   void fillCell(const PathPlan& plan, int cell);
+
   std::array<int, 4> row_edges_{};
   std::size_t stride_ = 0;  // of the tables
   std::vector<std::uint8_t> tables_;
