@@ -83,9 +83,9 @@ HWY_ATTR void CensusRow(const PaddedImage& image, bool mirrored, int y, CensusWi
 
 HWY_ATTR void OrderedCensusRow(const PaddedImage& image, bool mirrored, int y, CensusWindow window,
                                std::uint8_t* planes, std::uint8_t* row) {
-  if (!kCensusByPixel) return CensusRow(image, mirrored, y, window, row);
+  if (kCensusInOrder) return CensusRow(image, mirrored, y, window, row);
   CensusRow(image, mirrored, y, window, planes);
-  OrderByPixel(image.width(), window, planes, row);
+  OrderCensus(image.width(), window, planes, row);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -22,7 +22,7 @@ namespace hn = AGS_SIMD;
 // Pixel by pixel, the eight bytes of a string side by side: they are compared and counted as one
 // number, and all loads are aligned. (Plane by plane, 64 disparities would take eight loads that
 // each touch two cache lines.)
-constexpr bool kCensusByPixel = true;
+constexpr bool kCensusInOrder = false;
 
 // Where the interleaving below takes its pixels from, so that they come out in order: each of its
 // steps stays within blocks of 16 bytes, and leaves two pixels to a block.
@@ -40,8 +40,8 @@ constexpr PixelOrder makePixelOrder() {
 static constexpr PixelOrder kPixelOrder = makePixelOrder();
 
 // 64 pixels at a time; planes that the window does not fill are zero.
-HWY_INLINE void OrderByPixel(int width, CensusWindow window, const std::uint8_t* planes,
-                             std::uint8_t* row) {
+HWY_INLINE void OrderCensus(int width, CensusWindow window, const std::uint8_t* planes,
+                            std::uint8_t* row) {
   const hn::ScalableTag<std::uint8_t> d8;
   const hn::Repartition<std::uint16_t, decltype(d8)> d16;
   const hn::Repartition<std::uint32_t, decltype(d8)> d32;
@@ -133,8 +133,7 @@ HWY_INLINE __m512i AddProducts(__m512i sums, __m512i a, __m512i b) {
 }
 
 // Costs of a vector of disparities from index k on.
-HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(CensusWindow,
-                                                                   const CensusPlaces& at, int k) {
+HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(const CensusPlaces& at, int k) {
   const hn::ScalableTag<std::uint64_t> d;
   const std::uintptr_t right = reinterpret_cast<std::uintptr_t>(at.right + kCensusBytes * k);
   const std::uint64_t* from = reinterpret_cast<const std::uint64_t*>(right & ~std::uintptr_t{63});
@@ -159,12 +158,15 @@ HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(CensusWindow,
   return {_mm512_permutexvar_epi8(_mm512_load_si512(places.counts), counts)};
 }
 
+// Costs of kVectors vectors of disparities from index k on.
+template <int kVectors, class V>
+HWY_INLINE void HammingDistances(CensusWindow, const CensusPlaces& at, int k, V* costs) {
+  for (int i = 0; i < kVectors; ++i) costs[i] = HammingDistances(at, k + 64 * i);
+}
+
 #else
 
 // Plane by plane: byte p of all pixels' strings side by side.
-constexpr bool kCensusByPixel = false;
-
-HWY_INLINE void OrderByPixel(int, CensusWindow, const std::uint8_t*, std::uint8_t*) {}
 
 #undef AGS_FAST_POPCOUNT
 // Whether the target counts the bits of a byte in one instruction.
@@ -174,39 +176,46 @@ HWY_INLINE void OrderByPixel(int, CensusWindow, const std::uint8_t*, std::uint8_
 #define AGS_FAST_POPCOUNT 0
 #endif
 
-// Full adder, bit by bit: a + b + c = sum + 2 * carry.
-template <class V>
-HWY_INLINE void AddBits(V a, V b, V c, V* sum, V* carry) {
-  const V half = hn::Xor(a, b);
-  *sum = hn::Xor(half, c);
-  *carry = hn::Or(hn::And(a, b), hn::And(half, c));
+#if AGS_FAST_POPCOUNT
+
+constexpr bool kCensusInOrder = true;
+
+HWY_INLINE void OrderCensus(int, CensusWindow, const std::uint8_t*, std::uint8_t*) {}
+
+#else
+
+// Where counting takes a look-up per half a byte, the bits of three planes a, b, c are added up by
+// full adders first. Strings are only compared by exclusive or, so these planes may hold a ^ b ^ c,
+// a ^ b and a ^ c instead: of what they differ in, the adder's sum is the first one, and its carry
+// takes but two instructions.
+constexpr bool kCensusInOrder = false;
+
+// Plane 7 stays, and plane 6 becomes the exclusive or of the first seven.
+HWY_INLINE void OrderCensus(int width, CensusWindow window, const std::uint8_t* planes,
+                            std::uint8_t* row) {
+  const hn::ScalableTag<std::uint8_t> d;
+  const std::size_t stride = censusStride(width);
+  const int filled = censusPlanes(window);
+  for (int x = kCensusMargin; x < kCensusMargin + width; x += static_cast<int>(hn::Lanes(d))) {
+    auto sum = hn::Zero(d);
+    for (int p = 0; p + 3 <= filled; p += 3) {
+      const auto at = [&](int i) AGS_LAMBDA { return hn::LoadU(d, planes + (p + i) * stride + x); };
+      const auto put = [&](int i, auto v)
+                           AGS_LAMBDA { hn::StoreU(v, d, row + (p + i) * stride + x); };
+      const auto a = at(0), ab = hn::Xor(a, at(1)), of_three = hn::Xor(ab, at(2));
+      put(0, of_three);
+      put(1, ab);
+      put(2, hn::Xor(a, at(2)));
+      sum = hn::Xor(sum, of_three);
+    }
+    if (filled < 8) continue;
+    const auto at = [&](int p) AGS_LAMBDA { return hn::LoadU(d, planes + p * stride + x); };
+    hn::StoreU(hn::Xor(sum, at(6)), d, row + 6 * stride + x);
+    hn::StoreU(at(7), d, row + 7 * stride + x);
+  }
 }
 
-// Sum over the planes of the number of bits set in each byte.
-template <int kPlanes, class V>
-HWY_INLINE V CountBits(const V* x) {
-  if (AGS_FAST_POPCOUNT || kPlanes < 6) {
-    V count = hn::PopulationCount(x[0]);
-    for (int p = 1; p < kPlanes; ++p) count = hn::Add(count, hn::PopulationCount(x[p]));
-    return count;
-  }
-  // Counting by table is slow, so bits are added up across the planes first.
-  V ones, twos, fours, sum_a, sum_b, carry_a, carry_b, carry_c;
-  AddBits(x[0], x[1], x[2], &sum_a, &carry_a);
-  AddBits(x[3], x[4], x[5], &sum_b, &carry_b);
-  if (kPlanes == 6) {
-    ones = hn::Xor(sum_a, sum_b);
-    carry_c = hn::And(sum_a, sum_b);
-  } else {
-    AddBits(sum_a, sum_b, x[kPlanes - 2], &ones, &carry_c);
-  }
-  AddBits(carry_a, carry_b, carry_c, &twos, &fours);
-  V high = hn::PopulationCount(fours);
-  high = hn::Add(hn::Add(high, high), hn::PopulationCount(twos));
-  V count = hn::Add(hn::Add(high, high), hn::PopulationCount(ones));
-  if (kPlanes == 8) count = hn::Add(count, hn::PopulationCount(x[kPlanes - 1]));
-  return count;
-}
+#endif
 
 // How far ahead a pixel's bytes are fetched.
 constexpr int kCensusAhead = 72;
@@ -234,29 +243,111 @@ HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row,
   return {left, right, stride, column};
 }
 
-// Costs of a vector of disparities from index k on.
-template <int kPlanes>
-HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(const CensusPlaces& at, int k) {
-  const hn::ScalableTag<std::uint8_t> d;
-  hn::Vec<hn::ScalableTag<std::uint8_t>> different[kPlanes];
-  for (int p = 0; p < kPlanes; ++p) {
-    different[p] =
-        hn::Xor(hn::Set(d, at.left[p * at.stride]), hn::LoadU(d, at.right + p * at.stride + k));
+// What the strings of a pixel and of a few vectors of disparities differ in, plane by plane.
+template <int kVectors>
+struct Difference {
+  using D = hn::ScalableTag<std::uint8_t>;
+  using V = hn::Vec<D>;
+  HWY_ATTR Difference(const CensusPlaces& at, int k) : at_(at), k_(k) {}
+
+  HWY_INLINE void Plane(int p, V* x) const {
+    const D d;
+    const V left = hn::Set(d, at_.left[p * at_.stride]);
+    const std::uint8_t* right = at_.right + p * at_.stride + k_;
+    for (int i = 0; i < kVectors; ++i) x[i] = hn::Xor(left, hn::LoadU(d, right + i * hn::Lanes(d)));
   }
-  return CountBits<kPlanes>(different);
+
+ private:
+  const CensusPlaces& at_;
+  int k_;
+};
+
+#if AGS_FAST_POPCOUNT
+
+template <int kPlanes, int kVectors, class V>
+HWY_INLINE void CountDifferences(const Difference<kVectors>& difference, V* counts) {
+  difference.Plane(0, counts);
+  for (int i = 0; i < kVectors; ++i) counts[i] = hn::PopulationCount(counts[i]);
+  for (int p = 1; p < kPlanes; ++p) {
+    V x[kVectors];
+    difference.Plane(p, x);
+    for (int i = 0; i < kVectors; ++i) counts[i] = hn::Add(counts[i], hn::PopulationCount(x[i]));
+  }
 }
 
-HWY_INLINE hn::Vec<hn::ScalableTag<std::uint8_t>> HammingDistances(CensusWindow window,
-                                                                   const CensusPlaces& at, int k) {
+#else
+
+// kWeight times the number of bits set in each byte.
+template <int kWeight, class V>
+HWY_INLINE V CountBits(V bits) {
+  const hn::ScalableTag<std::uint8_t> d;
+  constexpr std::uint8_t k1 = kWeight, k2 = 2 * kWeight, k3 = 3 * kWeight, k4 = 4 * kWeight;
+  alignas(16) static constexpr std::uint8_t kCounts[16] = {0,  k1, k1, k2, k1, k2, k2, k3,
+                                                           k1, k2, k2, k3, k2, k3, k3, k4};
+  const V table = hn::LoadDup128(d, kCounts);
+  const V low = hn::And(bits, hn::Set(d, std::uint8_t{15})), high = hn::ShiftRight<4>(bits);
+  return hn::Add(hn::TableLookupBytes(table, low), hn::TableLookupBytes(table, high));
+}
+
+// Adds up, bit by bit, the differences of three planes from p on, as OrderCensus() leaves them.
+template <int kVectors, class V>
+HWY_INLINE void AddPlanes(const Difference<kVectors>& difference, int p, V* sum, V* carry) {
+  V ab[kVectors], ac[kVectors];
+  difference.Plane(p, sum);
+  difference.Plane(p + 1, ab);
+  difference.Plane(p + 2, ac);
+  for (int i = 0; i < kVectors; ++i) carry[i] = hn::Xor(sum[i], hn::Or(ab[i], ac[i]));
+}
+
+template <int kPlanes, int kVectors, class V>
+HWY_INLINE void CountDifferences(const Difference<kVectors>& difference, V* counts) {
+  V ones[kVectors], carry_a[kVectors];
+  AddPlanes<kVectors>(difference, 0, ones, carry_a);
+  if constexpr (kPlanes == 3) {
+    for (int i = 0; i < kVectors; ++i) {
+      counts[i] = hn::Add(CountBits<1>(ones[i]), CountBits<2>(carry_a[i]));
+    }
+    return;
+  }
+  V sum_b[kVectors], carry_b[kVectors], sum[kVectors], last[kVectors];
+  AddPlanes<kVectors>(difference, 3, sum_b, carry_b);
+  if constexpr (kPlanes == 8) difference.Plane(6, sum);
+  for (int i = 0; i < kVectors; ++i) {
+    // Of all but the last plane: first the bits that count one, then those that count two.
+    V carry_c;
+    const V two_sums = hn::Xor(ones[i], sum_b[i]);
+    if constexpr (kPlanes == 8) {
+      carry_c = hn::Xor(sum[i], hn::Or(two_sums, hn::Xor(sum_b[i], sum[i])));
+      ones[i] = sum[i];
+    } else {
+      carry_c = hn::And(ones[i], sum_b[i]);
+      ones[i] = two_sums;
+    }
+    const V ab = hn::Xor(carry_a[i], carry_b[i]), ac = hn::Xor(carry_a[i], carry_c);
+    const V twos = hn::Xor(ab, carry_c), fours = hn::Xor(twos, hn::Or(ab, ac));
+    counts[i] = hn::Add(hn::Add(CountBits<1>(ones[i]), CountBits<2>(twos)), CountBits<4>(fours));
+  }
+  if constexpr (kPlanes == 8) {
+    difference.Plane(7, last);
+    for (int i = 0; i < kVectors; ++i) counts[i] = hn::Add(counts[i], CountBits<1>(last[i]));
+  }
+}
+
+#endif
+
+// Costs of kVectors vectors of disparities from index k on.
+template <int kVectors, class V>
+HWY_INLINE void HammingDistances(CensusWindow window, const CensusPlaces& at, int k, V* costs) {
+  const Difference<kVectors> difference(at, k);
   switch (window) {
     case CensusWindow::k5x5:
-      return HammingDistances<censusPlanes(CensusWindow::k5x5)>(at, k);
+      return CountDifferences<censusPlanes(CensusWindow::k5x5)>(difference, costs);
     case CensusWindow::k7x7:
-      return HammingDistances<censusPlanes(CensusWindow::k7x7)>(at, k);
+      return CountDifferences<censusPlanes(CensusWindow::k7x7)>(difference, costs);
     case CensusWindow::k9x7:
       break;
   }
-  return HammingDistances<censusPlanes(CensusWindow::k9x7)>(at, k);
+  CountDifferences<censusPlanes(CensusWindow::k9x7)>(difference, costs);
 }
 
 #endif

@@ -29,7 +29,7 @@ HWY_INLINE V8 BorderCosts(const SweepFrame& frame, const CensusPlaces& at, int k
   const std::size_t begin = lanesBefore(-at.column), end = lanesBefore(frame.width - at.column);
   V8 costs = largest;
   if (begin < end) {
-    costs = HammingDistances(frame.window, at, k);
+    HammingDistances<1>(frame.window, at, k, &costs);
     costs = hn::IfThenElse(hn::FirstN(d, end), costs, largest);
     if (begin > 0) costs = hn::IfThenElse(hn::FirstN(d, begin), largest, costs);
   }

@@ -80,13 +80,13 @@ struct PixelSweep {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));
       V8 cost[kVectors];
+      if constexpr (kPlace == Place::kInner) {
+        HammingDistances<kVectors>(frame.window, census, k, cost);
+      }
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
-        if constexpr (kPlace == Place::kInner) {
-          cost[i] = EndCosts(frame, at, HammingDistances(frame.window, census, at));
-        } else {
-          cost[i] = EndCosts(frame, at, BorderCosts(frame, census, at));
-        }
+        if constexpr (kPlace != Place::kInner) cost[i] = BorderCosts(frame, census, at);
+        cost[i] = EndCosts(frame, at, cost[i]);
       }
       std::conditional_t<kDirections == 4, LowSums, ByteSums> sums[kVectors];
       AggregateVectors<kDirections, kVectors>(row, u, pixel, PaddedRange(frame), cost, k,
