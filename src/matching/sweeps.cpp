@@ -74,7 +74,7 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
   const int width = frames_[kDown].width, height = frames_[kDown].height;
   const bool new_plan = plan_ != plan;
   if (new_plan) {
-    plan_ = plan;
+    plan_ = PathPlan();  // no plan, until all that is made from it is there
     for (const int sweep : {kDown, kUp}) kinds_[sweep].assign(plan, sweep == kUp);
     for (Worker& worker : workers_) worker.runs.forget();
     shifts_.assign(3 * static_cast<std::size_t>(width), 0);
@@ -95,10 +95,11 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
       makeCensus(images, first, last, kDown, thread, &workers_[thread]);
     });
   }
-  strips_.assign(plan_, threads_, &stop);
+  strips_.assign(plan, threads_, &stop);
   for (const int sweep : {kDown, kUp}) {
     path_rows_[sweep].assign(bands_[sweep], strips_.edges(sweep), kinds_[sweep], new_plan);
   }
+  plan_ = plan;
   pool->run([&](int thread) {
     if (thread >= strips_.count()) return;
     strips_.run(
