@@ -1,8 +1,11 @@
 #include "comparison.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <memory>
+#include <numeric>
+#include <thread>
 
 #include <opencv2/core/utility.hpp>
 
@@ -24,10 +27,11 @@ std::vector<NamedPlan> plansFor(cv::Size size) {
   const auto moving = [&](double yaw_rate, double pitch_rate) {
     return planForMotion({v, yaw_rate, pitch_rate}, guidance, size).plan;
   };
+  // Those whose ratio counts stand side by side.
   return {{"uniform 16", uniformPlan(size.width, size.height, 16)},
+          {"forward", moving(0.0, 0.0)},
           {"uniform 8", uniformPlan(size.width, size.height, 8)},
           {"uniform 4", uniformPlan(size.width, size.height, 4)},
-          {"forward", moving(0.0, 0.0)},
           {"yaw left", moving(guidance.max_yaw_rate, 0.0)},
           {"pitch up", moving(0.0, guidance.max_pitch_rate)}};
 }
@@ -38,6 +42,46 @@ double elapsedMs(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
       .count();
 }
+
+/// As many matchers as threads, with one thread each, that match a frame each at the same time:
+/// what the machine makes of threads that have nothing to do with each other.
+class FramesAtOnce {
+ public:
+  FramesAtOnce(const MatcherConfig& config, int count) {
+    MatcherConfig one_thread = config;
+    one_thread.threads = 1;
+    for (int i = 0; i < count; ++i)
+      matchers_.push_back(std::make_unique<StereoMatcher>(one_thread));
+  }
+
+  /// Time of a frame [ms] while all of them match one after the other: of a few on each thread,
+  /// those count during which all threads are at work.
+  double timePerFrame(const Setting& setting, const PathPlan& plan) {
+    constexpr int kFrames = 2;
+    std::atomic<int> ready{0}, done{0};
+    const int count = static_cast<int>(matchers_.size());
+    std::vector<double> frames_per_ms(matchers_.size());
+    const auto work = [&](int i) {
+      const auto match = [&] { matchers_[i]->match(setting.left, setting.right, plan); };
+      match();
+      ++ready;
+      while (ready < count) std::this_thread::yield();
+      const auto start = std::chrono::steady_clock::now();
+      for (int frame = 0; frame < kFrames; ++frame) match();
+      frames_per_ms[i] = kFrames / elapsedMs(start);
+      ++done;
+      while (done < count) match();
+    };
+    std::vector<std::thread> threads;
+    for (int i = 1; i < count; ++i) threads.emplace_back(work, i);
+    work(0);
+    for (std::thread& thread : threads) thread.join();
+    return 1.0 / std::accumulate(frames_per_ms.begin(), frames_per_ms.end(), 0.0);
+  }
+
+ private:
+  std::vector<std::unique_ptr<StereoMatcher>> matchers_;
+};
 
 /// Everything with one number of threads, each with its own buffers.
 class Contestants {
@@ -53,33 +97,37 @@ class Contestants {
       peers_.emplace_back(kind, false, setting.disparity_range);
       addSeries(peers_.back().name(), 0.0);
     }
+    if (threads == 1) return;
+    at_once_ = std::make_unique<FramesAtOnce>(config, threads);
+    for (const NamedPlan& plan : plans_) addSeries(plan.name + kAtOnce, meanPaths(plan.plan));
   }
 
-  // One after the other: two frames of each method, as they follow each other in a stream, of which
-  // the second counts. (The first finds other methods' data in the caches, and after one with a
-  // single thread the others asleep.)
-  void runRound(const std::function<void()>& step) {
-    for (std::size_t i = 0; i < plans_.size(); ++i) {
-      const auto match = [&]() -> const MatchResult& {
-        return matcher_->match(setting_.left, setting_.right, plans_[i].plan);
-      };
-      match();
-      const auto start = std::chrono::steady_clock::now();
-      const MatchResult& result = match();
-      series_[i].time_ms.push_back(elapsedMs(start));
-      series_[i].stages.push_back(result.times);
-      step();
-    }
-    cv::setNumThreads(threads_);  // after ours, for it wakes OpenCV's threads
-    for (std::size_t i = 0; i < peers_.size(); ++i) {
-      peers_[i].match(setting_.left, setting_.right);
-      const auto start = std::chrono::steady_clock::now();
-      peers_[i].match(setting_.left, setting_.right);
-      series_[plans_.size() + i].time_ms.push_back(elapsedMs(start));
-      step();
-    }
+  // Two frames, as they follow each other in a stream, of which the second counts. (The first finds
+  // other methods' data in the caches, and after one with a single thread the others asleep.)
+  void runPlan(std::size_t i) {
+    const auto match = [&]() -> const MatchResult& {
+      return matcher_->match(setting_.left, setting_.right, plans_[i].plan);
+    };
+    match();
+    const auto start = std::chrono::steady_clock::now();
+    const MatchResult& result = match();
+    series_[i].time_ms.push_back(elapsedMs(start));
+    series_[i].stages.push_back(result.times);
+    if (!at_once_) return;
+    series_[plans_.size() + peers_.size() + i].time_ms.push_back(
+        at_once_->timePerFrame(setting_, plans_[i].plan));
   }
 
+  void runPeer(std::size_t i) {
+    cv::setNumThreads(threads_);
+    peers_[i].match(setting_.left, setting_.right);
+    const auto start = std::chrono::steady_clock::now();
+    peers_[i].match(setting_.left, setting_.right);
+    series_[plans_.size() + i].time_ms.push_back(elapsedMs(start));
+  }
+
+  std::size_t planCount() const { return plans_.size(); }
+  std::size_t peerCount() const { return peers_.size(); }
   const std::vector<Series>& series() const { return series_; }
 
  private:
@@ -95,6 +143,7 @@ class Contestants {
   const Setting& setting_;
   int threads_;
   std::unique_ptr<StereoMatcher> matcher_;
+  std::unique_ptr<FramesAtOnce> at_once_;
   std::vector<NamedPlan> plans_;
   std::vector<Peer> peers_;
   std::vector<Series> series_;
@@ -113,8 +162,19 @@ std::vector<Series> compare(const Setting& setting, const std::vector<int>& thre
   for (const int count : threads) {
     contestants.push_back(std::make_unique<Contestants>(setting, count));
   }
+  // Numbers of threads next to each other, and ours before the peers, for those wake OpenCV's
+  // threads.
+  const auto forAll = [&](std::size_t count, void (Contestants::*runOne)(std::size_t)) {
+    for (std::size_t i = 0; i < count; ++i) {
+      for (const auto& one : contestants) {
+        (one.get()->*runOne)(i);
+        step();
+      }
+    }
+  };
   for (int round = 0; round < rounds; ++round) {
-    for (const auto& one : contestants) one->runRound(step);
+    forAll(contestants.front()->planCount(), &Contestants::runPlan);
+    forAll(contestants.front()->peerCount(), &Contestants::runPeer);
   }
   std::vector<Series> all;
   for (const auto& one : contestants) {

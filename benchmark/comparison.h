@@ -24,10 +24,14 @@ struct Setting {
 /// E.g. "450x375x64".
 std::string nameOf(const Setting& setting);
 
+/// Follows the name of a plan where as many frames are matched at the same time as there are
+/// threads, by one thread each: the time per frame, which is what the machine allows for.
+constexpr char kAtOnce[] = ", frames at once";
+
 /// One method with one number of threads: a time per round.
 struct Series {
   std::string setting;  // nameOf()
-  std::string method;   // "uniform 16", "forward", ..., "StereoBM", "SGBM", ...
+  std::string method;   // "uniform 16", "forward", ..., "StereoBM", "SGBM", ..., or with kAtOnce
   int threads = 1;
   double mean_paths = 0.0;  // of ours; 0 for peers
   std::vector<double> time_ms;
@@ -37,7 +41,8 @@ struct Series {
 /// Runs ours (uniform 16, 8, 4, forward at V_max, yaw left, pitch up) and OpenCV's matchers with
 /// each number of threads, in rounds: within a round all take turns, so that a slow spell of the
 /// machine meets all of them. At its turn each matches two frames one after the other, as in a
-/// stream, of which the second counts. `step` is called after each turn.
+/// stream, of which the second counts; ours with several threads then as many frames at once.
+/// `step` is called after each turn. `threads` must not be empty.
 std::vector<Series> compare(const Setting& setting, const std::vector<int>& threads, int rounds,
                             const std::function<void()>& step);
 

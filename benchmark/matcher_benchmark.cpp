@@ -32,6 +32,7 @@ struct Options {
   std::string data;
   std::string json;
   std::string sizes;
+  std::string simd_target;
   std::vector<int> threads{1, 2};
   int rounds = 11;
   bool force = false;
@@ -51,6 +52,8 @@ bool readOptions(int argc, char** argv, Options* o) {
       "numbers of threads; 1 2 if not given")(
       "sizes", po::value(&o->sizes)->value_name("REGEX"),
       "only sizes in whose name this is found, e.g. '450x375|1280'")(
+      "simd-target", po::value(&o->simd_target)->value_name("NAME"),
+      "what ours runs on, e.g. AVX2; the best that the CPU has if not given")(
       "json", po::value(&o->json)->value_name("FILE"), "every time of every round")(
       "force", po::bool_switch(&o->force), "overwrite the file");
   po::variables_map values;
@@ -152,6 +155,22 @@ void printSetting(const Setting& setting, const std::vector<Series>& all,
   std::cout << textTable(lines);
 }
 
+/// How far several threads get beside what the machine allows for: as many frames at once, whose
+/// threads have nothing to do with each other.
+void printThreads(const std::vector<Series>& all) {
+  std::vector<std::vector<std::string>> lines{{"size", "method", "threads", "of one thread's time",
+                                               "frames at once, of one's", "of frames at once"}};
+  for (const Series& series : all) {
+    const Series* at_once = find(all, series.setting, series.method + kAtOnce, series.threads);
+    const Series* one = find(all, series.setting, series.method, 1);
+    if (!at_once || !one) continue;
+    lines.push_back({series.setting, series.method, std::to_string(series.threads),
+                     fixed(medianRatio(series, *one), 2), fixed(medianRatio(*at_once, *one), 2),
+                     fixed(medianRatio(series, *at_once), 2)});
+  }
+  if (lines.size() > 1) std::cout << '\n' << textTable(lines);
+}
+
 void printTargets(const std::vector<Target>& targets) {
   std::vector<std::vector<std::string>> lines{
       {"figure", "bar", "stretch", "measured", "reaches", "where"}};
@@ -214,6 +233,7 @@ int run(int argc, char** argv) {
   Options o;
   if (!readOptions(argc, argv, &o)) return 0;
   if (!o.json.empty()) checkWritable(o.json, o.force);
+  useSimdTarget(o.simd_target);
   const std::vector<Setting> settings = chosenSettings(o);
   // Before any thread exists, since a forked child has only one.
   double peak_memory_mb = 0.0;
@@ -232,6 +252,7 @@ int run(int argc, char** argv) {
   std::cout << cpuName() << ", " << simdTarget() << ", OpenCV " << CV_VERSION << ", medians of "
             << o.rounds << " rounds\n";
   for (const Setting& setting : settings) printSetting(setting, all, o.threads);
+  printThreads(all);
   const std::vector<Target> targets = evaluateTargets(all, peak_memory_mb);
   printTargets(targets);
   if (!o.json.empty()) writeFile(o.json, toJson(settings, all, targets, o), o.force);

@@ -45,7 +45,7 @@ Target threadsTarget(const std::vector<Series>& all) {
       "2 threads against 1, 640x480 and up, worst", "", false, 0.55, 0.52, false, 0.0, ""};
   const std::set<std::string> small{"256x144x64", kTeddy};
   for (const Series& two : all) {
-    if (two.threads != 2 || two.mean_paths == 0.0 || small.count(two.setting) > 0) continue;
+    if (two.threads != 2 || two.stages.empty() || small.count(two.setting) > 0) continue;
     const Series* one = find(all, two.setting, two.method, 1);
     if (one) keepWorst(medianRatio(two, *one), two.setting + " " + two.method, &target);
   }
