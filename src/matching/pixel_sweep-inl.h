@@ -13,6 +13,7 @@
 #include "src/matching/disparity_selection-inl.h"
 #include "src/matching/matching_cost-inl.h"
 #include "src/matching/path_aggregation-inl.h"
+#include "src/matching/repeat-inl.h"
 
 #if !defined(AGS_SWEEP_SHARED)
 #define AGS_SWEEP_SHARED
@@ -154,19 +155,31 @@ struct PixelSweep {
   }
 
  private:
-  // Calls f(integral_constant<int, vectors>, first disparity) for two vectors at a time, then one.
-  // (Plain C++ has no use for pairs.)
+  static constexpr int kLanes = static_cast<int>(sizeof(V8));
+  // Vectors of disparities that go through the paths together, since they share what is loaded for
+  // a path. Four longer ones, for which there are too few registers, are no faster.
+  static constexpr int kTogether = kPlainCpp ? 1 : kLanes == 16 ? 4 : 2;
+
+  // Calls f(integral_constant<int, vectors>, first disparity) for all vectors, some at a time;
+  // unrolled if the range is known at compile time.
   template <class F>
   static HWY_INLINE void ForAllVectors(const SweepFrame& frame, const F& f) {
-    using One = std::integral_constant<int, 1>;
-    using Two = std::integral_constant<int, 2>;
-    const int lanes = static_cast<int>(hn::Lanes(D8()));
-    const int padded = PaddedRange(frame);
-    int k = 0;
-    if constexpr (!kPlainCpp) {
-      for (; k + 2 * lanes <= padded; k += 2 * lanes) f(Two(), k);
+    if constexpr (kPadded > 0) {
+      constexpr int kAtOnce = std::min(kTogether, kPadded / kLanes);
+      static_assert(kPadded % (kAtOnce * kLanes) == 0, "no vector may be left over");
+      Repeat<kPadded / (kAtOnce * kLanes)>([&](auto i) AGS_LAMBDA {
+        f(std::integral_constant<int, kAtOnce>(), i * kAtOnce * kLanes);
+      });
+    } else {
+      ForVectorsFrom<kTogether>(0, PaddedRange(frame), f);
     }
-    for (; k < padded; k += lanes) f(One(), k);
+  }
+  template <int kAtOnce, class F>
+  static HWY_INLINE void ForVectorsFrom(int k, int padded_range, const F& f) {
+    for (; k + kAtOnce * kLanes <= padded_range; k += kAtOnce * kLanes) {
+      f(std::integral_constant<int, kAtOnce>(), k);
+    }
+    if constexpr (kAtOnce > 1) ForVectorsFrom<kAtOnce / 2>(k, padded_range, f);
   }
 
   // Sums and costs of a vector, for the second pass: side by side in 16 bits; of fewer paths one
