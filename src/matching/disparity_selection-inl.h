@@ -76,6 +76,10 @@ HWY_INLINE auto FoldSums(V16 v) {
 
 // Smallest key of each of four vectors: 16 bits each, the first one lowest.
 HWY_INLINE std::uint64_t SmallestKeys(V16 a, V16 b, V16 c, V16 e) {
+#if AGS_PAIRWISE_MIN
+  const auto all = vpminq_u16(vpminq_u16(a.raw, b.raw), vpminq_u16(c.raw, e.raw));
+  return vgetq_lane_u64(vreinterpretq_u64_u16(vpminq_u16(all, all)), 0);
+#else
   const D16 d;
   const hn::Repartition<std::uint32_t, D16> d32;
   const auto merge16 = [&](V16 v, V16 w) AGS_LAMBDA {
@@ -88,6 +92,7 @@ HWY_INLINE std::uint64_t SmallestKeys(V16 a, V16 b, V16 c, V16 e) {
   auto block = FoldSums(all);
   block = hn::Min(block, hn::ShiftRightBytes<8>(d128, block));
   return hn::GetLane(hn::BitCast(hn::Full128<std::uint64_t>(), block));
+#endif
 }
 
 // The winning place among the sums of one parity, by the smallest key and the keys it is among.

@@ -191,8 +191,37 @@ HWY_INLINE auto FoldToBlock(V8 v) {
 #endif
 }
 
+#undef AGS_PAIRWISE_MIN
+// Whether one instruction puts the minima of neighbouring lanes of two vectors side by side.
+#if HWY_TARGET == HWY_NEON && HWY_ARCH_ARM_A64
+#define AGS_PAIRWISE_MIN 1
+#else
+#define AGS_PAIRWISE_MIN 0
+#endif
+
 // Stores the smallest lane of each of 2, 4 or 8 vectors one after the other, kSmallestCopies times;
 // may write 8 * kSmallestCopies bytes, to where these are aligned.
+#if AGS_PAIRWISE_MIN
+
+template <int kCount>
+HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* to) {
+  V8 minima[kCount];
+  for (int i = 0; i < kCount; ++i) minima[i] = v[i];
+  for (int n = kCount / 2; n > 0; n /= 2) {
+    for (int i = 0; i < n; ++i) {
+      minima[i] = V8{vpminq_u8(minima[2 * i].raw, minima[2 * i + 1].raw)};
+    }
+  }
+  for (int lanes = 16 / kCount; lanes > 1; lanes /= 2) {
+    minima[0] = V8{vpminq_u8(minima[0].raw, minima[0].raw)};
+  }
+  const hn::Repartition<std::uint64_t, D8> d64;
+  const auto bytes = hn::GetLane(hn::BitCast(d64, minima[0]));
+  std::memcpy(to, &bytes, sizeof(bytes));
+}
+
+#else
+
 template <int kCount>
 HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* to) {
   const hn::Repartition<std::uint32_t, D8> d32;
@@ -232,6 +261,8 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* to) {
   std::memcpy(to, &bytes, sizeof(bytes));
 #endif
 }
+
+#endif
 
 // The path costs of `kVectors` vectors of disparities from index k on, for all directions; adds the
 // transitions to the sums, which are not finished then. (The matching cost is added later, once for
