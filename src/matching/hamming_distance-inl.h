@@ -301,33 +301,32 @@ HWY_INLINE void AddPlanes(const Difference<kVectors>& difference, int p, V* sum,
 
 template <int kPlanes, int kVectors, class V>
 HWY_INLINE void CountDifferences(const Difference<kVectors>& difference, V* counts) {
-  V ones[kVectors], carry_a[kVectors];
-  AddPlanes<kVectors>(difference, 0, ones, carry_a);
+  V sum_a[kVectors], carry_a[kVectors];
+  AddPlanes<kVectors>(difference, 0, sum_a, carry_a);
   if constexpr (kPlanes == 3) {
     for (int i = 0; i < kVectors; ++i) {
-      counts[i] = hn::Add(CountBits<1>(ones[i]), CountBits<2>(carry_a[i]));
+      counts[i] = hn::Add(CountBits<1>(sum_a[i]), CountBits<2>(carry_a[i]));
     }
     return;
   }
-  V sum_b[kVectors], carry_b[kVectors], sum[kVectors], last[kVectors];
+  V sum_b[kVectors], carry_b[kVectors], of_seven[kVectors];
   AddPlanes<kVectors>(difference, 3, sum_b, carry_b);
-  if constexpr (kPlanes == 8) difference.Plane(6, sum);
+  if constexpr (kPlanes == 8) difference.Plane(6, of_seven);
   for (int i = 0; i < kVectors; ++i) {
-    // Of all but the last plane: first the bits that count one, then those that count two.
-    V carry_c;
-    const V two_sums = hn::Xor(ones[i], sum_b[i]);
+    // Of all planes but the last of eight: what counts one, then what counts two and four.
+    V ones = hn::Xor(sum_a[i], sum_b[i]), carry_c;
     if constexpr (kPlanes == 8) {
-      carry_c = hn::Xor(sum[i], hn::Or(two_sums, hn::Xor(sum_b[i], sum[i])));
-      ones[i] = sum[i];
+      carry_c = hn::Xor(of_seven[i], hn::Or(ones, hn::Xor(sum_b[i], of_seven[i])));
+      ones = of_seven[i];
     } else {
-      carry_c = hn::And(ones[i], sum_b[i]);
-      ones[i] = two_sums;
+      carry_c = hn::And(sum_a[i], sum_b[i]);
     }
     const V ab = hn::Xor(carry_a[i], carry_b[i]), ac = hn::Xor(carry_a[i], carry_c);
     const V twos = hn::Xor(ab, carry_c), fours = hn::Xor(twos, hn::Or(ab, ac));
-    counts[i] = hn::Add(hn::Add(CountBits<1>(ones[i]), CountBits<2>(twos)), CountBits<4>(fours));
+    counts[i] = hn::Add(hn::Add(CountBits<1>(ones), CountBits<2>(twos)), CountBits<4>(fours));
   }
   if constexpr (kPlanes == 8) {
+    V last[kVectors];
     difference.Plane(7, last);
     for (int i = 0; i < kVectors; ++i) counts[i] = hn::Add(counts[i], CountBits<1>(last[i]));
   }
