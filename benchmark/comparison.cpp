@@ -50,8 +50,9 @@ class FramesAtOnce {
   FramesAtOnce(const MatcherConfig& config, int count) {
     MatcherConfig one_thread = config;
     one_thread.threads = 1;
-    for (int i = 0; i < count; ++i)
+    for (int i = 0; i < count; ++i) {
       matchers_.push_back(std::make_unique<StereoMatcher>(one_thread));
+    }
   }
 
   /// Time of a frame [ms] while all of them match one after the other: of a few on each thread,

@@ -83,15 +83,17 @@ void PathRows::assign(const Bands& bands, const std::vector<int>& edges, const P
   bands_ = bands;
   kinds_ = &kinds;
   const bool moved = edges_ != edges;
+  if (!moved && !anew) return;
   if (moved) {
-    edges_ = edges;
+    edges_.clear();  // no edges, until all that is made from them is there
     owners_.resize(row_pixels_);
     for (std::size_t i = 0; i < row_pixels_; ++i) {
-      owners_[i] = ownerOf(edges_, static_cast<int>(i) - kPathMargin);
+      owners_[i] = ownerOf(edges, static_cast<int>(i) - kPathMargin);
     }
     placeRingsAndLastRows();
   }
-  if (moved || anew) placeLastButOneRows();
+  placeLastButOneRows();
+  edges_ = edges;
 }
 
 std::uint8_t* PathRows::boundaryPlace(int slot, int from_last, std::size_t i) {
