@@ -38,9 +38,29 @@ std::vector<NamedPlan> plansFor(cv::Size size) {
 
 constexpr long kPlans = 6;
 
+// At its turn a method matches frames until so much time has gone [ms], or so many, and one at
+// least.
+constexpr double kTurn = 100.0;
+constexpr int kMostFrames = 15;
+
 double elapsedMs(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
       .count();
+}
+
+/// Time of a frame [ms] where frames follow each other as in a stream: the median of those of a
+/// turn but the first, which finds other methods' data in the caches and threads asleep.
+template <class Frame>
+double timeInStream(const Frame& frame) {
+  frame();
+  std::vector<double> times;
+  const auto turn = std::chrono::steady_clock::now();
+  for (int i = 0; i < kMostFrames && (i == 0 || elapsedMs(turn) < kTurn); ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    frame();
+    times.push_back(elapsedMs(start));
+  }
+  return medianOf(times);
 }
 
 /// As many matchers as threads, with one thread each, that match a frame each at the same time:
@@ -55,21 +75,17 @@ class FramesAtOnce {
     }
   }
 
-  /// Time of a frame [ms] while all of them match one after the other: of a few on each thread,
-  /// those count during which all threads are at work.
+  /// Time of a frame [ms] while all of them match one after the other: a matcher that has had its
+  /// turn goes on until all have.
   double timePerFrame(const Setting& setting, const PathPlan& plan) {
-    constexpr int kFrames = 2;
     std::atomic<int> ready{0}, done{0};
     const int count = static_cast<int>(matchers_.size());
     std::vector<double> frames_per_ms(matchers_.size());
     const auto work = [&](int i) {
       const auto match = [&] { matchers_[i]->match(setting.left, setting.right, plan); };
-      match();
       ++ready;
       while (ready < count) std::this_thread::yield();
-      const auto start = std::chrono::steady_clock::now();
-      for (int frame = 0; frame < kFrames; ++frame) match();
-      frames_per_ms[i] = kFrames / elapsedMs(start);
+      frames_per_ms[i] = 1.0 / timeInStream(match);
       ++done;
       while (done < count) match();
     };
@@ -103,17 +119,11 @@ class Contestants {
     for (const NamedPlan& plan : plans_) addSeries(plan.name + kAtOnce, meanPaths(plan.plan));
   }
 
-  // Two frames, as they follow each other in a stream, of which the second counts. (The first finds
-  // other methods' data in the caches, and after one with a single thread the others asleep.)
   void runPlan(std::size_t i) {
-    const auto match = [&]() -> const MatchResult& {
-      return matcher_->match(setting_.left, setting_.right, plans_[i].plan);
-    };
-    match();
-    const auto start = std::chrono::steady_clock::now();
-    const MatchResult& result = match();
-    series_[i].time_ms.push_back(elapsedMs(start));
-    series_[i].stages.push_back(result.times);
+    StageTimes stages;  // of the last frame
+    series_[i].time_ms.push_back(timeInStream(
+        [&] { stages = matcher_->match(setting_.left, setting_.right, plans_[i].plan).times; }));
+    series_[i].stages.push_back(stages);
     if (!at_once_) return;
     series_[plans_.size() + peers_.size() + i].time_ms.push_back(
         at_once_->timePerFrame(setting_, plans_[i].plan));
@@ -121,10 +131,8 @@ class Contestants {
 
   void runPeer(std::size_t i) {
     cv::setNumThreads(threads_);
-    peers_[i].match(setting_.left, setting_.right);
-    const auto start = std::chrono::steady_clock::now();
-    peers_[i].match(setting_.left, setting_.right);
-    series_[plans_.size() + i].time_ms.push_back(elapsedMs(start));
+    series_[plans_.size() + i].time_ms.push_back(
+        timeInStream([&] { peers_[i].match(setting_.left, setting_.right); }));
   }
 
   std::size_t planCount() const { return plans_.size(); }

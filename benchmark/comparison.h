@@ -40,9 +40,10 @@ struct Series {
 
 /// Runs ours (uniform 16, 8, 4, forward at V_max, yaw left, pitch up) and OpenCV's matchers with
 /// each number of threads, in rounds: within a round all take turns, so that a slow spell of the
-/// machine meets all of them. At its turn each matches two frames one after the other, as in a
-/// stream, of which the second counts; ours with several threads then as many frames at once.
-/// `step` is called after each turn. `threads` must not be empty.
+/// machine meets all of them. At its turn each matches frames one after the other, as in a stream,
+/// for a tenth of a second: a round's time is the median of all but the first. Ours with several
+/// threads then match as many frames at once. `step` is called after each turn. `threads` must not
+/// be empty.
 std::vector<Series> compare(const Setting& setting, const std::vector<int>& threads, int rounds,
                             const std::function<void()>& step);
 
