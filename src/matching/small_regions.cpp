@@ -39,29 +39,29 @@ HWY_EXPORT(MarkEdges);
 
 namespace {
 
-template <class Runs>
-std::int32_t rootOf(const Runs& runs, std::int32_t run) {
-  while (runs[run].parent != run) run = runs[run].parent;
-  return run;
+template <class Node>
+std::int32_t rootOf(const Node* nodes, std::int32_t node) {
+  while (nodes[node].parent != node) node = nodes[node].parent;
+  return node;
 }
 
-template <class Runs>
-std::int32_t shortenedRoot(Runs* runs, std::int32_t run) {
-  while ((*runs)[run].parent != run) {
-    (*runs)[run].parent = (*runs)[(*runs)[run].parent].parent;
-    run = (*runs)[run].parent;
+template <class Node>
+std::int32_t shortenedRoot(Node* nodes, std::int32_t node) {
+  while (nodes[node].parent != node) {
+    nodes[node].parent = nodes[nodes[node].parent].parent;
+    node = nodes[node].parent;
   }
-  return run;
+  return node;
 }
 
-template <class Runs>
-void unite(Runs* runs, std::int32_t a, std::int32_t b) {
-  a = shortenedRoot(runs, a);
-  b = shortenedRoot(runs, b);
+template <class Node>
+void unite(Node* nodes, std::int32_t a, std::int32_t b) {
+  a = shortenedRoot(nodes, a);
+  b = shortenedRoot(nodes, b);
   if (a == b) return;
-  if ((*runs)[a].size < (*runs)[b].size) std::swap(a, b);
-  (*runs)[b].parent = a;
-  (*runs)[a].size += (*runs)[b].size;
+  if (nodes[a].size < nodes[b].size) std::swap(a, b);
+  nodes[b].parent = a;
+  nodes[a].size += nodes[b].size;
 }
 
 constexpr int kWordPixels = 64;
@@ -91,23 +91,23 @@ bool touch(const std::int16_t* above, const std::int16_t* here, int count, int m
 void SmallRegions::start(const cv::Mat& disparity, int max_step, int parts) {
   disparity_ = disparity;
   max_step_ = max_step;
-  parts_ = parts;
-  part_.resize(parts);
+  parts_.resize(parts);
 }
 
 void SmallRegions::find(int index) {
-  Part& part = part_[index];
+  Part& part = parts_[index];
+  const int parts = static_cast<int>(parts_.size());
+  part.first_row = disparity_.rows * index / parts;
+  part.end_row = disparity_.rows * (index + 1) / parts;
   part.runs.clear();
   part.row_begin.assign(1, 0);
-  const int first = firstRow(index), last = firstRow(index + 1);
-  for (int y = first; y < last; ++y) {
+  for (int y = part.first_row; y < part.end_row; ++y) {
     addRow(y, &part);
-    const std::int32_t end = static_cast<std::int32_t>(part.runs.size());
-    if (y > first) {
-      const std::size_t row = static_cast<std::size_t>(y) - first;
-      joinRows(y, &part.runs, part.row_begin[row - 1], part.row_begin[row], end);
-    }
-    part.row_begin.push_back(end);
+    part.row_begin.push_back(static_cast<std::int32_t>(part.runs.size()));
+    if (y == part.first_row) continue;
+    Run* runs = part.runs.data();
+    findTouching(y, part, part,
+                 [=](std::int32_t above, std::int32_t here) { unite(runs, above, here); });
   }
 }
 
@@ -138,53 +138,64 @@ void SmallRegions::addRow(int y, Part* part) const {
   runs.resize(count);
 }
 
-// Joins row y, whose runs are here .. end - 1, to the row before, whose runs are above .. here - 1.
-void SmallRegions::joinRows(int y, std::vector<Run>* runs, std::int32_t above, std::int32_t here,
-                            std::int32_t end) const {
+// Calls join(run, run) for runs of row y - 1, which is in part `above`, and of row y, in part
+// `here`, that belong together.
+template <class Join>
+void SmallRegions::findTouching(int y, const Part& above, const Part& here,
+                                const Join& join) const {
   const std::int16_t* values_above = disparity_.ptr<std::int16_t>(y - 1);
   const std::int16_t* values = disparity_.ptr<std::int16_t>(y);
-  const std::int32_t above_end = here;
-  while (above < above_end && here < end) {
-    const Run &a = (*runs)[above], &b = (*runs)[here];
-    const int first = std::max(a.begin, b.begin), last = std::min(a.end, b.end);
-    const bool above_ends_first = a.end < b.end;
-    if (touch(values_above + first, values + first, last - first, max_step_)) {
-      unite(runs, above, here);
-    }
-    ++(above_ends_first ? above : here);
+  const Run *runs_above = above.runs.data(), *runs = here.runs.data();
+  const int row_above = y - 1 - above.first_row, row = y - here.first_row;
+  std::int32_t a = above.row_begin[row_above], b = here.row_begin[row];
+  const std::int32_t a_end = above.row_begin[row_above + 1], b_end = here.row_begin[row + 1];
+  while (a < a_end && b < b_end) {
+    const Run run_above = runs_above[a], run = runs[b];
+    const int first = std::max(run_above.begin, run.begin);
+    const int last = std::min(run_above.end, run.end);
+    const bool above_ends_first = run_above.end < run.end;
+    if (touch(values_above + first, values + first, last - first, max_step_)) join(a, b);
+    ++(above_ends_first ? a : b);
   }
+}
+
+// Where the region of a part's run is among the joined ones.
+std::int32_t SmallRegions::joinedPlace(Part* part, std::int32_t run) {
+  Run& root = part->runs[shortenedRoot(part->runs.data(), run)];
+  if (root.size >= 0) {
+    const std::int32_t place = static_cast<std::int32_t>(joined_.size());
+    joined_.push_back({place, root.size});
+    root.size = ~place;
+  }
+  return ~root.size;
 }
 
 void SmallRegions::join() {
-  runs_.clear();
-  row_begin_.clear();
-  for (Part& part : part_) {
-    const std::int32_t offset = static_cast<std::int32_t>(runs_.size());
-    for (std::size_t row = 0; row + 1 < part.row_begin.size(); ++row) {
-      row_begin_.push_back(part.row_begin[row] + offset);
+  joined_.clear();
+  Part* above = nullptr;
+  for (Part& here : parts_) {
+    if (here.first_row == here.end_row) continue;
+    if (above != nullptr) {
+      findTouching(here.first_row, *above, here, [&](std::int32_t a, std::int32_t b) {
+        const std::int32_t place_above = joinedPlace(above, a), place = joinedPlace(&here, b);
+        unite(joined_.data(), place_above, place);
+      });
     }
-    if (offset == 0) {
-      std::swap(runs_, part.runs);
-      continue;
-    }
-    for (const Run& run : part.runs) {
-      runs_.push_back({run.begin, run.end, run.parent + offset, run.size});
-    }
-  }
-  row_begin_.push_back(static_cast<std::int32_t>(runs_.size()));
-  for (int part = 1; part < parts_; ++part) {
-    const int y = firstRow(part);
-    if (y == 0 || y == firstRow(part + 1)) continue;
-    joinRows(y, &runs_, row_begin_[y - 1], row_begin_[y], row_begin_[y + 1]);
+    above = &here;
   }
 }
 
-void SmallRegions::erase(int part, int max_size, cv::Mat* disparity) const {
-  for (int y = firstRow(part); y < firstRow(part + 1); ++y) {
+void SmallRegions::erase(int index, int max_size, cv::Mat* disparity) const {
+  const Part& part = parts_[index];
+  const Run* runs = part.runs.data();
+  for (int y = part.first_row; y < part.end_row; ++y) {
     std::int16_t* values = disparity->ptr<std::int16_t>(y);
-    for (std::int32_t run = row_begin_[y]; run < row_begin_[y + 1]; ++run) {
-      if (runs_[rootOf(runs_, run)].size > max_size) continue;
-      std::fill(values + runs_[run].begin, values + runs_[run].end, kInvalidDisparity);
+    const int row = y - part.first_row;
+    for (std::int32_t run = part.row_begin[row]; run < part.row_begin[row + 1]; ++run) {
+      std::int32_t size = runs[rootOf(runs, run)].size;
+      if (size < 0) size = joined_[rootOf(joined_.data(), ~size)].size;
+      if (size <= max_size)
+        std::fill(values + runs[run].begin, values + runs[run].end, kInvalidDisparity);
     }
   }
 }

@@ -89,26 +89,29 @@ void StereoMatcher::Impl::pad(const cv::Mat& left_image, const cv::Mat& right_im
 
 void StereoMatcher::Impl::refine() {
   const int threads = pool->size(), height = unfiltered.rows;
-  if (config.min_contrast > 0.0) {
+  const auto forParts = [&](const auto& f) {
     pool->run([&](int thread) {
-      removeLowContrast(left, config.census_window, config.min_contrast, height * thread / threads,
-                        height * (thread + 1) / threads, &unfiltered);
+      const int part = sweeps.partOf(thread);
+      f(part, height * part / threads, height * (part + 1) / threads);
+    });
+  };
+  if (config.min_contrast > 0.0) {
+    forParts([&](int, int first, int last) {
+      removeLowContrast(left, config.census_window, config.min_contrast, first, last, &unfiltered);
     });
   }
   if (config.speckle_size > 0) {
     regions.start(unfiltered, config.speckle_range * kDisparityScale, threads);
-    pool->run([&](int thread) { regions.find(thread); });
+    forParts([&](int part, int, int) { regions.find(part); });
     regions.join();
-    pool->run([&](int thread) { regions.erase(thread, config.speckle_size, &unfiltered); });
+    forParts([&](int part, int, int) { regions.erase(part, config.speckle_size, &unfiltered); });
   }
   if (!config.median_filter) {
     unfiltered.copyTo(result.disparity);
     return;
   }
-  pool->run([&](int thread) {
-    medianOfValid(unfiltered, height * thread / threads, height * (thread + 1) / threads,
-                  &result.disparity);
-  });
+  forParts(
+      [&](int, int first, int last) { medianOfValid(unfiltered, first, last, &result.disparity); });
 }
 
 const MatchResult& StereoMatcher::match(const cv::Mat& left, const cv::Mat& right,

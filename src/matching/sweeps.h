@@ -41,12 +41,16 @@ class Sweeps {
   void run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
            ThreadPool* pool, cv::Mat* disparity);
 
+  /// Which of as many parts of the rows as there are threads, the first one on top, is most in this
+  /// thread's caches after run(): where whole rows are selected, the downward sweep ends below.
+  int partOf(int thread) const { return bands_only_ ? threads_ - 1 - thread : thread; }
+
   /// What the census transform took of the last run() [ms], the mean of the threads.
   double censusTime() const;
 
  private:
-  // What the thread that works on a strip needs.
-  struct Worker {
+  // What the thread that works on a strip needs, on cache lines of its own.
+  struct alignas(64) Worker {
     AlignedBuffer<std::uint8_t> penalties;  // [row of the band][penaltyPlace()]
     RowBuffers buffers;
     SweepRow rows[kBandRows];  // of the band

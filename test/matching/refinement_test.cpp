@@ -24,12 +24,14 @@ cv::Mat randomDisparity(cv::Size size, unsigned seed) {
 
 bool equal(const cv::Mat& a, const cv::Mat& b) { return cv::countNonZero(a != b) == 0; }
 
-TEST(SmallRegions, equalOpenCvAndTheReference) {
+TEST(SmallRegions, equalOpenCvAndTheReferenceOnEveryTarget) {
   SmallRegions regions;
-  for (unsigned seed = 1; seed < 40; ++seed) {
+  const std::vector<std::string> targets = simdTargets();
+  for (unsigned seed = 1; seed < 60; ++seed) {
+    useSimdTarget(targets[seed % targets.size()]);
     cv::RNG rng(seed);
     const cv::Mat disparity =
-        randomDisparity(cv::Size(rng.uniform(1, 90), rng.uniform(1, 70)), seed);
+        randomDisparity(cv::Size(rng.uniform(1, 200), rng.uniform(1, 70)), seed);
     MatcherConfig config;
     config.median_filter = false;
     config.speckle_size = rng.uniform(1, 60);
@@ -41,6 +43,7 @@ TEST(SmallRegions, equalOpenCvAndTheReference) {
     EXPECT_TRUE(equal(theirs, ours)) << "seed " << seed;
     EXPECT_TRUE(equal(reference::refine(disparity, cv::Mat(), config), ours)) << "seed " << seed;
   }
+  useSimdTarget("");
 }
 
 TEST(SmallRegions, areTheSameForAnyNumberOfParts) {

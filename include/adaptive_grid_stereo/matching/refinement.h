@@ -38,28 +38,34 @@ class SmallRegions {
 
  private:
   // Neighbours in a row that belong together: columns [begin, end). `parent` leads to the root of
-  // the region, which has the region's `size` [px].
+  // the part's region, which has the region's `size` [px], or else, below zero, ~ of its place
+  // among the joined ones.
   struct Run {
     std::int32_t begin, end, parent, size;
   };
-  struct Part {
+  // A region of some part that reaches into another one; `parent` leads to the root of all that are
+  // one region, which has the `size` of all.
+  struct Joined {
+    std::int32_t parent, size;
+  };
+  // On cache lines of its own, since the thread that has it changes it with every row.
+  struct alignas(64) Part {
+    int first_row = 0, end_row = 0;
     std::vector<Run> runs;
-    std::vector<std::int32_t> row_begin;  // first run of each row
+    std::vector<std::int32_t> row_begin;  // first run of each row, and the end of the last one's
     std::vector<std::uint8_t> edges;      // [x] 1 where a run begins or ends
     std::vector<std::int32_t> ends;       // columns where a row's runs end
   };
 
-  int firstRow(int part) const { return disparity_.rows * part / parts_; }
   void addRow(int y, Part* part) const;
-  void joinRows(int y, std::vector<Run>* runs, std::int32_t above, std::int32_t here,
-                std::int32_t end) const;
+  template <class Join>
+  void findTouching(int y, const Part& above, const Part& here, const Join& join) const;
+  std::int32_t joinedPlace(Part* part, std::int32_t run);
 
   cv::Mat disparity_;
   int max_step_ = 0;
-  int parts_ = 0;
-  std::vector<Part> part_;
-  std::vector<Run> runs_;                // of all parts
-  std::vector<std::int32_t> row_begin_;  // [y]
+  std::vector<Part> parts_;
+  std::vector<Joined> joined_;
 };
 
 /// Sets four-connected regions of at most max_size [px] valid pixels to kInvalidDisparity;
