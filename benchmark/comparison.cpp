@@ -197,6 +197,19 @@ long runsOf(const std::vector<int>& threads, int rounds) {
   return methods * static_cast<long>(threads.size()) * rounds;
 }
 
+void append(const std::vector<Series>& more, std::vector<Series>* all) {
+  for (const Series& one : more) {
+    const Series* known = find(*all, one.setting, one.method, one.threads);
+    if (known == nullptr) {
+      all->push_back(one);
+      continue;
+    }
+    Series& series = (*all)[known - all->data()];
+    series.time_ms.insert(series.time_ms.end(), one.time_ms.begin(), one.time_ms.end());
+    series.stages.insert(series.stages.end(), one.stages.begin(), one.stages.end());
+  }
+}
+
 const Series* find(const std::vector<Series>& all, const std::string& setting,
                    const std::string& method, int threads) {
   const auto found = std::find_if(all.begin(), all.end(), [&](const Series& series) {

@@ -50,6 +50,9 @@ std::vector<Series> compare(const Setting& setting, const std::vector<int>& thre
 /// Number of turns in compare(), for a progress bar.
 long runsOf(const std::vector<int>& threads, int rounds);
 
+/// Adds more rounds to the series of the same name, where there are any.
+void append(const std::vector<Series>& more, std::vector<Series>* all);
+
 /// The series of that name, or nullptr.
 const Series* find(const std::vector<Series>& all, const std::string& setting,
                    const std::string& method, int threads);
