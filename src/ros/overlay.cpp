@@ -138,8 +138,8 @@ cv::Rect cellArea(const GridState& state, int cell, int scale, const cv::Size& p
 void drawCell(cv::Mat& picture, const cv::Rect& area, int paths, Writer& writer) {
   const cv::Scalar color = colorOf(paths);
   cv::Mat cell = picture(area);
-  const cv::Mat tint(cell.size(), cell.type(), color);
-  cv::addWeighted(cell, 0.84, tint, 0.16, 0.0, cell);
+  cell.convertTo(cell, -1, 0.84);
+  cv::add(cell, 0.16 * color, cell);
   // Drawn inside the cell, so that neighbours with different counts show both colours at their
   // edge.
   const int line = writer.line();
@@ -168,12 +168,13 @@ int overlayScale(int width) {
 
 cv::Mat drawGridOverlay(const cv::Mat& left, const GridState& state, int scale) {
   cv::Mat picture;
-  if (left.channels() == 1) {
-    cv::cvtColor(left, picture, cv::COLOR_GRAY2BGR);
+  if (scale > 1) {
+    cv::resize(left, picture, {}, scale, scale, cv::INTER_CUBIC);
   } else {
-    picture = left.clone();
+    left.copyTo(picture);
   }
-  if (scale > 1) cv::resize(picture, picture, {}, scale, scale, cv::INTER_CUBIC);
+  // Enlarged before it has three channels, which are three times the work.
+  if (picture.channels() == 1) cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
 
   Writer writer(picture);
   const int bar = writer.barHeight();
