@@ -120,10 +120,12 @@ class Contestants {
   }
 
   void runPlan(std::size_t i) {
-    StageTimes stages;  // of the last frame
-    series_[i].time_ms.push_back(timeInStream(
-        [&] { stages = matcher_->match(setting_.left, setting_.right, plans_[i].plan).times; }));
-    series_[i].stages.push_back(stages);
+    std::vector<StageTimes> stages;
+    series_[i].time_ms.push_back(timeInStream([&] {
+      stages.push_back(matcher_->match(setting_.left, setting_.right, plans_[i].plan).times);
+    }));
+    // As for the time of the frame, the first one does not count.
+    series_[i].stages.insert(series_[i].stages.end(), stages.begin() + 1, stages.end());
     if (!at_once_) return;
     series_[plans_.size() + peers_.size() + i].time_ms.push_back(
         at_once_->timePerFrame(setting_, plans_[i].plan));

@@ -35,7 +35,7 @@ struct Series {
   int threads = 1;
   double mean_paths = 0.0;  // of ours; 0 for peers
   std::vector<double> time_ms;
-  std::vector<StageTimes> stages;  // of ours
+  std::vector<StageTimes> stages;  // of ours: of each frame that counted, in all rounds
 };
 
 /// Runs ours (uniform 16, 8, 4, forward at V_max, yaw left, pitch up) and OpenCV's matchers with

@@ -230,8 +230,8 @@ std::string toJson(const std::vector<Setting>& settings, const std::vector<Serie
 }
 
 /// All sizes, in passes of some rounds each: what a machine shared with others does for a minute
-/// then meets no size in all of its rounds. (Not round by round: the peers' buffers of all sizes
-/// would take gigabytes.)
+/// then meets no size in all of its rounds. (Not round by round, which would keep the buffers of
+/// all sizes at once.)
 std::vector<Series> compareAll(const std::vector<Setting>& settings, const Options& o) {
   constexpr int kPasses = 3;
   ProgressBar progress("runs", runsOf(o.threads, o.rounds) * static_cast<long>(settings.size()));

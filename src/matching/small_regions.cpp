@@ -194,8 +194,8 @@ void SmallRegions::erase(int index, int max_size, cv::Mat* disparity) const {
     for (std::int32_t run = part.row_begin[row]; run < part.row_begin[row + 1]; ++run) {
       std::int32_t size = runs[rootOf(runs, run)].size;
       if (size < 0) size = joined_[rootOf(joined_.data(), ~size)].size;
-      if (size <= max_size)
-        std::fill(values + runs[run].begin, values + runs[run].end, kInvalidDisparity);
+      if (size > max_size) continue;
+      std::fill(values + runs[run].begin, values + runs[run].end, kInvalidDisparity);
     }
   }
 }

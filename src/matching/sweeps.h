@@ -41,8 +41,9 @@ class Sweeps {
   void run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
            ThreadPool* pool, cv::Mat* disparity);
 
-  /// Which of as many parts of the rows as there are threads, the first one on top, is most in this
-  /// thread's caches after run(): where whole rows are selected, the downward sweep ends below.
+  /// With the rows cut into as many parts as there are threads, from the top: the part whose
+  /// disparities thread `thread` of run() has mostly selected, so that they are in its caches.
+  /// (With one or two threads the first one's sweep goes down and ends with the last row.)
   int partOf(int thread) const { return bands_only_ ? threads_ - 1 - thread : thread; }
 
   /// What the census transform took of the last run() [ms], the mean of the threads.

@@ -38,13 +38,13 @@ class SmallRegions {
 
  private:
   // Neighbours in a row that belong together: columns [begin, end). `parent` leads to the root of
-  // the part's region, which has the region's `size` [px], or else, below zero, ~ of its place
-  // among the joined ones.
+  // the part's region. The root's `size` is that of the region [px], or, where the region reaches
+  // into another part, ~place (below zero) of its place among the joined ones.
   struct Run {
     std::int32_t begin, end, parent, size;
   };
-  // A region of some part that reaches into another one; `parent` leads to the root of all that are
-  // one region, which has the `size` of all.
+  // A part's region that reaches into another part; `parent` leads to the root of all those that
+  // are one region, which has the `size` of all of them [px].
   struct Joined {
     std::int32_t parent, size;
   };
