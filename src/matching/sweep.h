@@ -135,7 +135,7 @@ struct SweepFrame {
   PathLayout layout;
   /// More disparities than one search for a winner can take.
   bool long_range = false;
-  /// Write the volume past the caches, which it would only sweep out.
+  /// Write the volume past the caches, where nobody would find it in time.
   bool stream_volume = false;
 };
 
