@@ -33,12 +33,13 @@ HWY_INLINE void AggregatePixel(const SweepRow& row, int u, V8 cost_of_all, V8 pe
   StoreSmallest<kSweepDirections>(d, smallest, pixel);
 }
 
-HWY_ATTR void Recurrence(const SweepRow* rows, int row_count, int width, int pixels) {
+HWY_ATTR void Recurrence(const SweepRow* rows, int width, int pixels) {
   const D8 d;
   const V8 cost = hn::Set(d, std::uint8_t{9}), penalty_small = hn::Set(d, std::uint8_t{14});
-  for (int i = 0; i < pixels; i += row_count) {
-    for (int r = 0; r < row_count; ++r) {
-      AggregatePixel(rows[r], i / row_count % width, cost, penalty_small);
+  for (int i = 0; i < pixels; i += kBandRows) {
+    for (int r = 0; r < kBandRows; ++r) {
+      const int lag = kBandLag * (kBandRows - 1 - r);
+      AggregatePixel(rows[r], i / kBandRows % width + lag, cost, penalty_small);
     }
   }
 }
@@ -52,25 +53,26 @@ namespace adaptive_grid_stereo {
 HWY_EXPORT(Recurrence);
 
 std::int64_t runRecurrenceInCache(int pixels) {
-  // Two rows take turns, as in a band; a ring of four pixels each.
-  constexpr int kRange = 64, kRing = 4, kWidth = 64, kRows = 2;
+  // Four rows take turns, each behind the one above, as in a band (or else a pixel would wait for
+  // the one before it). The first one's row above is the last one. A ring of eight pixels each.
+  constexpr int kRange = 64, kRing = 8, kWidth = 64, kLag = kBandLag * (kBandRows - 1);
   constexpr std::size_t kStride = kPixelHeader + (kSweepDirections + 1) * kRange;
-  alignas(64) static std::uint8_t costs[kRows * kRing * kStride + kMaxLanes];
-  static const std::vector<std::uint8_t> penalties(kWidth * kSweepDirections, 40);
-  std::vector<std::uint8_t*> places[kRows];
-  SweepRow rows[kRows] = {};
-  for (int r = 0; r < kRows; ++r) {
-    for (int i = 0; i < kWidth + 2 * kPathMargin; ++i) {
+  alignas(64) static std::uint8_t costs[kBandRows * kRing * kStride + kMaxLanes];
+  static const std::vector<std::uint8_t> penalties(penaltyPlace(2 * kPenaltyBlock, 0), 40);
+  std::vector<std::uint8_t*> places[kBandRows];
+  SweepRow rows[kBandRows] = {};
+  for (int r = 0; r < kBandRows; ++r) {
+    for (int i = 0; i < kWidth + kLag + 2 * kPathMargin; ++i) {
       places[r].push_back(costs + (r * kRing + i % kRing) * kStride);
     }
   }
-  for (int r = 0; r < kRows; ++r) {
+  for (int r = 0; r < kBandRows; ++r) {
     rows[r].penalties = penalties.data();
     rows[r].current = places[r].data() + kPathMargin;
-    rows[r].above = places[1 - r].data() + kPathMargin;
+    rows[r].above = places[(r + kBandRows - 1) % kBandRows].data() + kPathMargin;
     rows[r].above_diagonals = rows[r].above_knights = rows[r].above2_knights = rows[r].above;
   }
-  HWY_DYNAMIC_DISPATCH(Recurrence)(rows, kRows, kWidth, pixels);
+  HWY_DYNAMIC_DISPATCH(Recurrence)(rows, kWidth, pixels);
   return static_cast<std::int64_t>(pixels) * kRange * kSweepDirections;
 }
 

@@ -59,6 +59,8 @@ class DisparityNodelet : public nodelet::Nodelet {
 
   void work();
   void processFrame(const Frame& frame);
+  // After the disparity, which does not wait for pictures.
+  void publishSideOutputs(const FrameResult& result);
 
   NodeConfig config_;  // single-threaded queue; its processor part under config_mutex_
   std::mutex config_mutex_;
@@ -249,13 +251,24 @@ void DisparityNodelet::processFrame(const Frame& frame) {
   if (frame.first_after_jump) processor_->reset();
   const std_msgs::Header& header = frame.pair.left->header;
   const Motion motion = motion_->waitForMotion(header.stamp, header.frame_id);
-  FrameResult result = processor_->process(frame.pair, frame.geometry, motion, outputs_->wanted());
+  FrameResult result = processor_->process(frame.pair, frame.geometry, motion);
   result.grid_state->latency = secondsBetween(header.stamp, ros::Time::now());
   result.grid_state->frames_dropped =
       static_cast<std::uint32_t>(diagnostics_->lost() + out_of_order_);
   outputs_->publish(result);
   diagnostics_->onMotion(motion);
   diagnostics_->onFrame(result);
+  publishSideOutputs(result);
+}
+
+void DisparityNodelet::publishSideOutputs(const FrameResult& result) {
+  try {
+    outputs_->publish(processor_->makeSideOutputs(result, outputs_->wanted()));
+  } catch (const std::exception& error) {
+    if (failures_.pass(error.what())) {
+      NODELET_ERROR("a frame's depth, overlay or colours could not be made: %s", error.what());
+    }
+  }
 }
 
 }  // namespace adaptive_grid_stereo

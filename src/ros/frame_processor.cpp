@@ -26,6 +26,10 @@ sensor_msgs::ImagePtr makeOverlay(const cv::Mat& left, const GridState& state) {
   return message;
 }
 
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 const ProcessorConfig& checked(const ProcessorConfig& config) {
   ProcessorConfig copy = config;
   const std::vector<std::string> changes = copy.validate();
@@ -62,7 +66,7 @@ void FrameProcessor::setConfig(const ProcessorConfig& config) {
 }
 
 FrameResult FrameProcessor::process(const StereoPair& pair, const StereoGeometry& geometry,
-                                    const Motion& motion, const WantedOutputs& wanted) {
+                                    const Motion& motion) {
   const auto start = std::chrono::steady_clock::now();
   const std_msgs::Header& header = pair.left->header;
   const GreyPair grey = toGreyPair(*pair.left, *pair.right, config_.mono16_bits);
@@ -81,19 +85,29 @@ FrameResult FrameProcessor::process(const StereoPair& pair, const StereoGeometry
                                  cellStatistics(result, geometry, frame.plan), guidance);
   frame.grid_state->governor_step = static_cast<std::uint8_t>(step);
 
-  if (wanted.depth) frame.depth = toDepthImage(*frame.disparity);
-  if (wanted.disparity_color) frame.disparity_color = toColorImage(*frame.disparity);
-  if (wanted.overlay) frame.overlay = makeOverlay(grey.left, *frame.grid_state);
+  frame.left = grey.left;
 
-  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
-  frame.grid_state->processing_time = spent.count();
-  governor_.update(spent.count(), config_.target_period);
+  const double spent = secondsSince(start);
+  frame.grid_state->processing_time = spent;
+  governor_.update(spent + side_time_, config_.target_period);
+  side_time_ = 0.0;
   return frame;
+}
+
+SideOutputs FrameProcessor::makeSideOutputs(const FrameResult& frame, const WantedOutputs& wanted) {
+  const auto start = std::chrono::steady_clock::now();
+  SideOutputs outputs;
+  if (wanted.depth) outputs.depth = toDepthImage(*frame.disparity);
+  if (wanted.disparity_color) outputs.disparity_color = toColorImage(*frame.disparity);
+  if (wanted.overlay) outputs.overlay = makeOverlay(frame.left, *frame.grid_state);
+  side_time_ += secondsSince(start);
+  return outputs;
 }
 
 void FrameProcessor::reset() {
   state_machine_.reset();
   governor_.reset();
+  side_time_ = 0.0;
 }
 
 }  // namespace adaptive_grid_stereo

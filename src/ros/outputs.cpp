@@ -43,9 +43,12 @@ WantedOutputs Outputs::wanted() const {
 void Outputs::publish(const FrameResult& frame) const {
   if (disparity_.getNumSubscribers() > 0) disparity_.publish(frame.disparity);
   if (grid_state_.getNumSubscribers() > 0) grid_state_.publish(frame.grid_state);
-  if (frame.depth) depth_.publish(frame.depth);
-  if (frame.overlay) overlay_.publish(frame.overlay);
-  if (frame.disparity_color) disparity_color_.publish(frame.disparity_color);
+}
+
+void Outputs::publish(const SideOutputs& side) const {
+  if (side.depth) depth_.publish(side.depth);
+  if (side.overlay) overlay_.publish(side.overlay);
+  if (side.disparity_color) disparity_color_.publish(side.disparity_color);
 }
 
 void Outputs::stop() {

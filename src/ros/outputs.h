@@ -24,6 +24,7 @@ class Outputs {
   WantedOutputs wanted() const;
   /// Hands the messages over without copying them, each only if somebody listens.
   void publish(const FrameResult& frame) const;
+  void publish(const SideOutputs& side) const;
   /// No connection callback runs after it has returned.
   void stop();
 

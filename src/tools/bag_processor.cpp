@@ -159,16 +159,17 @@ class BagProcessor {
     if (!verdict.ok()) return verdict.error;
     const std_msgs::Header& header = pair.left->header;
     const Motion motion = motion_.motionAt(header.stamp, header.frame_id);
-    const FrameResult frame = processor_.process(pair, verdict.geometry, motion, job_.wanted);
+    const FrameResult frame = processor_.process(pair, verdict.geometry, motion);
     if (!job_.timing) frame.grid_state->processing_time = 0.0;
     frame.grid_state->latency = 0.0;
     frame.grid_state->frames_dropped =
         static_cast<std::uint32_t>(report_.refused + pairs_.dropped());
     write("disparity", recorded.received, *frame.disparity);
     write("grid_state", recorded.received, *frame.grid_state);
-    if (frame.depth) write("depth", recorded.received, *frame.depth);
-    if (frame.overlay) write("grid_overlay", recorded.received, *frame.overlay);
-    if (frame.disparity_color) write("disparity_color", recorded.received, *frame.disparity_color);
+    const SideOutputs side = processor_.makeSideOutputs(frame, job_.wanted);
+    if (side.depth) write("depth", recorded.received, *side.depth);
+    if (side.overlay) write("grid_overlay", recorded.received, *side.overlay);
+    if (side.disparity_color) write("disparity_color", recorded.received, *side.disparity_color);
     if (csv_) *csv_ << toCsvLine(*frame.grid_state);
     ++report_.frames;
     ++report_.states[toString(frame.state)];

@@ -35,11 +35,12 @@ inline void checkAndProcess(const StereoPair& pair, const InputLimits& limits,
   processor.reset();
   WantedOutputs all;
   all.depth = all.overlay = all.disparity_color = true;
-  const FrameResult frame = processor.process(pair, geometry, Motion(), all);
+  const FrameResult frame = processor.process(pair, geometry, Motion());
+  const SideOutputs side = processor.makeSideOutputs(frame, all);
   const stereo_msgs::DisparityImage& disparity = *frame.disparity;
   requireFits(disparity.image, width, height);
-  requireFits(*frame.depth, width, height);
-  requireFits(*frame.disparity_color, width, height);
+  requireFits(*side.depth, width, height);
+  requireFits(*side.disparity_color, width, height);
   for (unsigned y = 0; y < height; ++y) {
     for (unsigned x = 0; x < width; ++x) {
       float value = 0.0F;

@@ -1,5 +1,7 @@
 #include "adaptive_grid_stereo/ros/frame_processor.h"
 
+#include <chrono>
+
 #include <gtest/gtest.h>
 
 #include "adaptive_grid_stereo/ros/input_check.h"
@@ -25,11 +27,14 @@ Motion flying(double yaw_rate) {
 }
 
 FrameResult processOne(FrameProcessor& processor, int shift, double stamp, const Motion& motion,
-                       const WantedOutputs& wanted = WantedOutputs()) {
+                       SideOutputs* side = nullptr, const WantedOutputs& wanted = WantedOutputs()) {
   const StereoPair pair = makePair(SyntheticRig(), shift, ros::Time(stamp));
   const InputVerdict verdict = checkPair(pair, InputLimits());
   EXPECT_TRUE(verdict.ok()) << verdict.error;
-  return processor.process(pair, verdict.geometry, motion, wanted);
+  FrameResult frame = processor.process(pair, verdict.geometry, motion);
+  if (side != nullptr) *side = processor.makeSideOutputs(frame, wanted);
+  frame.left.release();  // the pair's memory
+  return frame;
 }
 
 TEST(FrameProcessor, TurnsAPairAndAMotionIntoMessages) {
@@ -44,22 +49,43 @@ TEST(FrameProcessor, TurnsAPairAndAMotionIntoMessages) {
   EXPECT_EQ(frame.grid_state->paths[2], 4);
   EXPECT_GT(frame.grid_state->processing_time, 0.0);
   EXPECT_GT(frame.times.total, 0.0);
-  EXPECT_FALSE(frame.depth);
-  EXPECT_FALSE(frame.overlay);
-  EXPECT_FALSE(frame.disparity_color);
 }
 
 TEST(FrameProcessor, MakesSideOutputsOnlyIfWanted) {
   FrameProcessor processor(smallConfig());
+  SideOutputs none;
+  processOne(processor, 7, 10.0, Motion(), &none);
+  EXPECT_FALSE(none.depth || none.overlay || none.disparity_color);
   WantedOutputs wanted;
   wanted.depth = wanted.overlay = wanted.disparity_color = true;
-  const FrameResult frame = processOne(processor, 7, 10.0, Motion(), wanted);
-  ASSERT_TRUE(frame.depth && frame.overlay && frame.disparity_color);
-  EXPECT_EQ(frame.depth->encoding, "32FC1");
-  EXPECT_EQ(frame.overlay->encoding, "bgr8");
-  EXPECT_EQ(frame.overlay->data.size(),
-            static_cast<std::size_t>(frame.overlay->step) * frame.overlay->height);
-  EXPECT_EQ(frame.disparity_color->encoding, "bgr8");
+  SideOutputs side;
+  processOne(processor, 7, 11.0, Motion(), &side, wanted);
+  ASSERT_TRUE(side.depth && side.overlay && side.disparity_color);
+  EXPECT_EQ(side.depth->encoding, "32FC1");
+  EXPECT_EQ(side.overlay->encoding, "bgr8");
+  EXPECT_EQ(side.overlay->data.size(),
+            static_cast<std::size_t>(side.overlay->step) * side.overlay->height);
+  EXPECT_EQ(side.disparity_color->encoding, "bgr8");
+}
+
+TEST(FrameProcessor, TakesPathsAwayWhereItIsThePicturesThatTakeTooLong) {
+  ProcessorConfig config = smallConfig();
+  config.target_period = 0.2;
+  FrameProcessor processor(config);
+  WantedOutputs wanted;
+  wanted.overlay = true;
+  const StereoPair pair = makePair(SyntheticRig(), 7, ros::Time(10.0));
+  const StereoGeometry geometry = checkPair(pair, InputLimits()).geometry;
+  // As many pictures of each frame as take longer than the target, however fast this machine is.
+  for (int i = 0; i < DeadlineGovernor::kWindow; ++i) {
+    const FrameResult frame = processor.process(pair, geometry, flying(0.0));
+    EXPECT_EQ(frame.grid_state->governor_step, 0) << i;
+    const auto start = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - start < std::chrono::milliseconds(250)) {
+      processor.makeSideOutputs(frame, wanted);
+    }
+  }
+  EXPECT_GT(processor.process(pair, geometry, flying(0.0)).grid_state->governor_step, 0);
 }
 
 TEST(FrameProcessor, GivesTheSameBitsForTheSameSequence) {

@@ -3,6 +3,7 @@
 
 #include <sensor_msgs/Image.h>
 #include <stereo_msgs/DisparityImage.h>
+#include <opencv2/core.hpp>
 
 #include "adaptive_grid_stereo/GridState.h"
 #include "adaptive_grid_stereo/guidance/flight_state.h"
@@ -40,14 +41,20 @@ struct FrameResult {
   stereo_msgs::DisparityImagePtr disparity;
   /// Complete but for `latency` and `frames_dropped`, which are the caller's to fill.
   GridStatePtr grid_state;
-  /// Null unless wanted: 32FC1 [m]; bgr8; bgr8.
-  sensor_msgs::ImagePtr depth;
-  sensor_msgs::ImagePtr overlay;
-  sensor_msgs::ImagePtr disparity_color;
 
+  /// The left image as CV_8UC1, which may be the message's own memory: valid as long as the pair.
+  cv::Mat left;
   FlightState state;
   PathPlan plan;
   StageTimes times;
+};
+
+/// What is made of a frame's result once that has been published. Null unless wanted: 32FC1 [m];
+/// bgr8; bgr8.
+struct SideOutputs {
+  sensor_msgs::ImagePtr depth;
+  sensor_msgs::ImagePtr overlay;
+  sensor_msgs::ImagePtr disparity_color;
 };
 
 /// One frame from the checked pair to the messages, without threads or topics: state, path plan,
@@ -65,8 +72,11 @@ class FrameProcessor {
   /// pair: accepted by checkPair(), which also gave the geometry; motion: at the left image's
   /// stamp. Throws std::invalid_argument or cv::Exception if the pair cannot be processed after
   /// all.
-  FrameResult process(const StereoPair& pair, const StereoGeometry& geometry, const Motion& motion,
-                      const WantedOutputs& wanted = WantedOutputs());
+  FrameResult process(const StereoPair& pair, const StereoGeometry& geometry, const Motion& motion);
+
+  /// Changes nothing of the result, which others may read meanwhile. The governor counts what it
+  /// takes as the next frame's.
+  SideOutputs makeSideOutputs(const FrameResult& frame, const WantedOutputs& wanted);
 
   /// Ends the frame under way, and every later one, by MatchCancelled. May be called from any
   /// thread.
@@ -80,6 +90,7 @@ class FrameProcessor {
   StereoMatcher matcher_;
   FlightStateMachine state_machine_;
   DeadlineGovernor governor_;
+  double side_time_ = 0.0;  // of side outputs since the last frame [s]
 };
 
 }  // namespace adaptive_grid_stereo
