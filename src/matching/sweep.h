@@ -135,7 +135,8 @@ struct SweepFrame {
   PathLayout layout;
   /// More disparities than one search for a winner can take.
   bool long_range = false;
-  /// Write the volume past the caches, where nobody would find it in time.
+  /// Write the volume past the caches: nobody would find it there in time, or only at the cost of
+  /// another thread.
   bool stream_volume = false;
 };
 

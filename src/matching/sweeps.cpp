@@ -8,15 +8,15 @@
 namespace adaptive_grid_stereo {
 namespace {
 
-// From this size on [bytes] the volume does not stay in the caches from one sweep to the other.
-constexpr std::size_t kStreamedVolume = std::size_t{12} << 20;
+// From this size on the volume does not stay in the caches from one sweep to the other.
+constexpr std::size_t kStreamedVolume = std::size_t{12} << 20;  // [bytes]
 
 // Whether to write the volume past the caches. With several threads, whatever its size: what one
 // of them writes another one reads, so in a cache it would have to be fetched from the other's, and
 // be taken back to be written for the next frame. Where cores share no cache that takes longer than
 // memory does, by half of a small frame's time.
-bool streamsVolume(std::size_t size, int threads) {
-  return threads > 1 || size * sizeof(std::uint16_t) >= kStreamedVolume;
+bool streamsVolume(std::size_t bytes, int threads) {
+  return threads > 1 || bytes >= kStreamedVolume;
 }
 
 PathLayout makeLayout(int range) {
@@ -58,7 +58,7 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
   const std::size_t volume_size =
       static_cast<std::size_t>(width) * height * frame.layout.padded_range;
   volume_.reserve(volume_size);
-  frame.stream_volume = streamsVolume(volume_size, threads);
+  frame.stream_volume = streamsVolume(volume_size * sizeof(std::uint16_t), threads);
   threads_ = threads;
   const int strips = Strips::perSweep(threads);
   bands_only_ = threads <= 2;
