@@ -118,6 +118,7 @@ void describeOutput(const NodeReport& report, DiagnosticStatusWrapper& status) {
   status.addf("Expected [Hz]", "%.2f", report.expected_rate);
   status.addf("Latency [ms]", "%.1f mean, %.1f max", 1e3 * latency.mean, 1e3 * latency.max);
   status.add("Frames published", report.processed);
+  status.add("Frames without their depth or pictures", report.side_failed);
   if (idle(report, status)) return;
   status.summary(DiagnosticStatus::OK, report.frames.empty() ? "no frame yet" : "frames come");
   if (report.expected_rate > 0.0 && rate < kRateTolerance * report.expected_rate) {
@@ -127,6 +128,10 @@ void describeOutput(const NodeReport& report, DiagnosticStatusWrapper& status) {
   if (!report.frames.empty() && latency.mean < -kFutureTolerance) {
     status.mergeSummary(DiagnosticStatus::WARN,
                         "image stamps lie in the future; synchronise the camera's clock");
+  }
+  if (!report.side_failure.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "depth, overlay or colours could not be made: " + report.side_failure);
   }
 }
 
@@ -152,6 +157,10 @@ void describeProcessing(const NodeReport& report, DiagnosticStatusWrapper& statu
   status.summary(DiagnosticStatus::WARN,
                  "debug build, many times slower; build type Release flies");
 #endif
+  if (!report.failure.empty()) {
+    status.mergeSummary(DiagnosticStatus::ERROR,
+                        "the newest pair could not be processed: " + report.failure);
+  }
   if (step > 0) {
     status.mergeSummaryf(DiagnosticStatus::WARN,
                          "governor at step %d: paths were taken away to keep target_period", step);
@@ -250,7 +259,13 @@ void NodeDiagnostics::onReplaced(std::uint64_t count) {
 void NodeDiagnostics::onFailure(const std::string& error) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++report_.failed;
-  report_.error = error;
+  report_.failure = error;
+}
+
+void NodeDiagnostics::onSideOutputs(const std::string& error) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!error.empty()) ++report_.side_failed;
+  report_.side_failure = error;
 }
 
 void NodeDiagnostics::onMotion(const Motion& motion) {
@@ -277,6 +292,7 @@ void NodeDiagnostics::onFrame(const FrameResult& frame) {
   record.density /= pixels;
   const std::lock_guard<std::mutex> lock(mutex_);
   ++report_.processed;
+  report_.failure.clear();
   report_.frames.push_back(record);
   while (report_.frames.front().time < record.time - kWindow) report_.frames.pop_front();
 }

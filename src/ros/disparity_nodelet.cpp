@@ -264,7 +264,9 @@ void DisparityNodelet::processFrame(const Frame& frame) {
 void DisparityNodelet::publishSideOutputs(const FrameResult& result) {
   try {
     outputs_->publish(processor_->makeSideOutputs(result, outputs_->wanted()));
+    diagnostics_->onSideOutputs("");
   } catch (const std::exception& error) {
+    diagnostics_->onSideOutputs(error.what());
     if (failures_.pass(error.what())) {
       NODELET_ERROR("a frame's depth, overlay or colours could not be made: %s", error.what());
     }

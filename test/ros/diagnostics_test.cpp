@@ -91,6 +91,23 @@ TEST(Diagnostics, RepeatTheSentenceOfARefusal) {
   EXPECT_EQ(status.message, report.error);
 }
 
+TEST(Diagnostics, TellAPairThatCouldNotBeProcessedFromOneThatWasRefused) {
+  NodeReport report = goodReport();
+  report.failure = "no memory";
+  const auto status = statusOf(describeProcessing, report);
+  EXPECT_EQ(status.level, DiagnosticStatus::ERROR);
+  EXPECT_NE(status.message.find("no memory"), std::string::npos) << status.message;
+  EXPECT_EQ(statusOf(describeCalibration, report).level, DiagnosticStatus::OK);
+}
+
+TEST(Diagnostics, WarnOfPicturesThatCouldNotBeMade) {
+  NodeReport report = goodReport();
+  report.side_failure = "no memory";
+  const auto status = statusOf(describeOutput, report);
+  EXPECT_EQ(status.level, DiagnosticStatus::WARN);
+  EXPECT_NE(status.message.find("no memory"), std::string::npos) << status.message;
+}
+
 TEST(Diagnostics, WarnOfTooFewFrames) {
   NodeReport report = goodReport();  // 10 Hz
   report.expected_rate = 10.5;

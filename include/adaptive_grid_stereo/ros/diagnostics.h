@@ -39,14 +39,19 @@ struct NodeReport {
 
   bool has_geometry = false;
   StereoGeometry geometry;  // of the newest good pair
-  /// The newest refusal of a pair, or failure of the worker; empty if newer pairs were good.
+  /// The newest refusal of a pair; empty if newer pairs were good.
   std::string error;
+  /// Why the newest pair could not be processed, why depth, overlay or colours of the newest frame
+  /// could not be made; empty if they were.
+  std::string failure;
+  std::string side_failure;
 
   std::deque<FrameRecord> frames;  // of the last seconds
   std::uint64_t processed = 0;
   std::uint64_t replaced = 0;
   std::uint64_t refused = 0;
   std::uint64_t failed = 0;
+  std::uint64_t side_failed = 0;
 
   double expected_rate = 0.0;  // [Hz], 0: none
   double min_density = 0.0;    // [1]
@@ -81,6 +86,8 @@ class NodeDiagnostics {
   void onFailure(const std::string& error);
   void onMotion(const Motion& motion);
   void onFrame(const FrameResult& frame);
+  /// The error with which a frame's side outputs failed, empty if they were made.
+  void onSideOutputs(const std::string& error);
 
   /// Pairs that did not lead to a frame.
   std::uint64_t lost() const;
