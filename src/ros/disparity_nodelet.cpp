@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <dynamic_reconfigure/server.h>
+#include <image_transport/image_transport.h>
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
 #include <pluginlib/class_list_macros.hpp>
@@ -40,18 +41,22 @@ class DisparityNodelet : public nodelet::Nodelet {
   struct Frame {
     StereoPair pair;
     StereoGeometry geometry;
-    bool first_after_jump = false;
+    int jumps = 0;  // of the stamps, before it
   };
   using FrameMailbox = Mailbox<Frame>;
   using ReconfigureServer = dynamic_reconfigure::Server<DisparityConfig>;
 
   void onInit() override;
   void setUp();
+  // Nothing of ours runs after it has returned. May be called again.
+  void shutDown();
+  std::string usableTransport(std::vector<std::string>& warnings);
   void setUpSync();
   void setUpReconfigure();
   void reportStart(const std::vector<std::string>& warnings);
 
   void onConnection();
+  void subscribeIfWanted();
   void onPair(const StereoPair& pair);
   void onJump(const ros::Time& stamp);
   void onReconfigure(DisparityConfig& reconfigure);
@@ -70,7 +75,8 @@ class DisparityNodelet : public nodelet::Nodelet {
   std::unique_ptr<MotionSubscriber> motion_;
   std::unique_ptr<NodeDiagnostics> diagnostics_;
   std::unique_ptr<StereoSync> sync_;
-  std::mutex connect_mutex_;  // held while outputs_ is being made
+  std::mutex connect_mutex_;    // held while outputs_ is being made
+  bool shutting_down_ = false;  // under connect_mutex_
   std::unique_ptr<Outputs> outputs_;
   std::unique_ptr<FrameMailbox> mailbox_;
   boost::recursive_mutex reconfigure_mutex_;
@@ -78,16 +84,22 @@ class DisparityNodelet : public nodelet::Nodelet {
   std::thread worker_;
 
   bool reconfigured_once_ = false;
-  bool jumped_ = false;
+  int jumps_ = 0;
+  int jumps_seen_ = 0;  // the worker's
   std::atomic<std::uint64_t> out_of_order_{0};
   SentenceThrottle errors_{10.0};
   SentenceThrottle oddities_{60.0};
   SentenceThrottle failures_{10.0};  // the worker's
 };
 
-DisparityNodelet::~DisparityNodelet() {
-  // What could still call us goes first, then the worker, then the members.
-  if (outputs_) outputs_->stop();
+DisparityNodelet::~DisparityNodelet() { shutDown(); }
+
+void DisparityNodelet::shutDown() {
+  {
+    const std::lock_guard<std::mutex> lock(connect_mutex_);
+    shutting_down_ = true;
+  }
+  // What could still call us goes first, then the worker, which publishes, then the outputs.
   reconfigure_.reset();
   if (diagnostics_) diagnostics_->stop();
   if (sync_) sync_->unsubscribe();
@@ -95,6 +107,7 @@ DisparityNodelet::~DisparityNodelet() {
   if (mailbox_) mailbox_->stop();
   if (processor_) processor_->cancel();
   if (worker_.joinable()) worker_.join();
+  if (outputs_) outputs_->stop();
 }
 
 void DisparityNodelet::onInit() {
@@ -103,6 +116,8 @@ void DisparityNodelet::onInit() {
   } catch (const std::exception& error) {
     // The loader swallows the reason.
     NODELET_FATAL("%s: %s", getName().c_str(), error.what());
+    // Now, since the loader takes the callback queues away before it destroys us.
+    shutDown();
     throw;
   }
 }
@@ -115,6 +130,7 @@ void DisparityNodelet::setUp() {
   motion_ = std::make_unique<MotionSubscriber>(config_.motion);
   mailbox_ = std::make_unique<FrameMailbox>(
       config_.process_every_frame ? FrameMailbox::Mode::kEvery : FrameMailbox::Mode::kNewest);
+  config_.image_transport = usableTransport(warnings);
   setUpSync();
   diagnostics_ =
       std::make_unique<NodeDiagnostics>(getNodeHandle(), private_handle, getName(),
@@ -127,6 +143,23 @@ void DisparityNodelet::setUp() {
   outputs_ = std::make_unique<Outputs>(getNodeHandle(), config_.process_every_frame ? kBurst : 1,
                                        [this] { onConnection(); });
   if (!config_.lazy) sync_->subscribe();
+}
+
+std::string DisparityNodelet::usableTransport(std::vector<std::string>& warnings) {
+  const std::string& wanted = config_.image_transport;
+  std::string installed;
+  const image_transport::ImageTransport transport(getNodeHandle());
+  for (std::string name : transport.getLoadableTransports()) {
+    name = name.substr(name.find('/') + 1);  // of "package/name"
+    if (name == wanted) return wanted;
+    installed += (installed.empty() ? "" : ", ") + name;
+  }
+  warnings.push_back("~image_transport is '" + wanted + "', which is not installed here (" +
+                     installed + "); raw is used. Install its plugin, e.g. the package " + wanted +
+                     "_image_transport, or correct the name");
+  // Where image_transport itself looks.
+  getPrivateNodeHandle().setParam("image_transport", "raw");
+  return "raw";
 }
 
 void DisparityNodelet::setUpSync() {
@@ -165,7 +198,16 @@ void DisparityNodelet::reportStart(const std::vector<std::string>& warnings) {
 void DisparityNodelet::onConnection() {
   // The first connection may come while the publishers are still being made.
   const std::lock_guard<std::mutex> lock(connect_mutex_);
-  if (!outputs_ || !config_.lazy) return;
+  if (!outputs_ || !config_.lazy || shutting_down_) return;
+  try {
+    subscribeIfWanted();
+  } catch (const std::exception& error) {
+    // It would end the process, whose other nodelets may be flying.
+    NODELET_ERROR("the images could not be subscribed: %s", error.what());
+  }
+}
+
+void DisparityNodelet::subscribeIfWanted() {
   if (outputs_->anybodyListens()) {
     sync_->subscribe();
   } else {
@@ -188,14 +230,13 @@ void DisparityNodelet::onPair(const StereoPair& pair) {
   }
   diagnostics_->onGoodPair(verdict.geometry, pair.left->header.frame_id);
   out_of_order_ = sync_->status().out_of_order;
-  diagnostics_->onReplaced(mailbox_->put(Frame{pair, verdict.geometry, jumped_}));
-  jumped_ = false;
+  diagnostics_->onReplaced(mailbox_->put(Frame{pair, verdict.geometry, jumps_}));
 }
 
 void DisparityNodelet::onJump(const ros::Time& stamp) {
   diagnostics_->onReplaced(mailbox_->clear());
   motion_->startOver(stamp);
-  jumped_ = true;
+  ++jumps_;
 }
 
 void DisparityNodelet::onReconfigure(DisparityConfig& reconfigure) {
@@ -248,7 +289,8 @@ void DisparityNodelet::processFrame(const Frame& frame) {
     if (config_changed_) processor_->setConfig(config_.processor);
     config_changed_ = false;
   }
-  if (frame.first_after_jump) processor_->reset();
+  if (frame.jumps != jumps_seen_) processor_->reset();
+  jumps_seen_ = frame.jumps;
   const std_msgs::Header& header = frame.pair.left->header;
   const Motion motion = motion_->waitForMotion(header.stamp, header.frame_id);
   FrameResult result = processor_->process(frame.pair, frame.geometry, motion);

@@ -180,6 +180,36 @@ class ProcessFaults(unittest.TestCase):
         camera.served.clear()
         self.assertTrue(camera.is_served(), "with the new master")
 
+    def test_image_transport_that_is_not_installed(self):
+        """The node says so and takes raw images, from the first subscriber on or at once."""
+        for lazy in ("true", "false"):
+            name_space = "/transport_lazy_" + lazy
+            node = self.start_node(name_space, "_image_transport:=misspelled", "_lazy:=" + lazy)
+            self.assertTrue(Camera(name_space).is_served(), "lazy: " + lazy)
+            self.assertIsNone(node.poll())
+
+    def test_nodelet_is_unloaded_while_its_pictures_are_watched(self):
+        """The manager, in which others may fly, goes on."""
+        nodelet = find_node("nodelet", "nodelet")[0]
+        manager = self.start(nodelet, "manager", "__name:=watched")
+        camera = Camera("/in_watched")
+        pictures = []
+        watchers = [rospy.Subscriber("/in_watched/" + topic, Image, pictures.append)
+                    for topic in ("depth", "grid_overlay", "disparity_color")]
+        for attempt in range(6):
+            loader = self.start(nodelet, "load", "adaptive_grid_stereo/disparity", "/watched",
+                                "__ns:=/in_watched", "__name:=disparity_node")
+            self.assertTrue(camera.is_served(), attempt)
+            self.assertTrue(wait_until(
+                lambda: all(watcher.get_num_connections() > 0 for watcher in watchers)))
+            for _ in range(20):
+                camera.publish(320, 240)
+            time.sleep(0.02 * attempt)
+            os.killpg(loader.pid, signal.SIGINT)  # which unloads the nodelet
+            loader.wait(LONG_WAIT)
+            self.assertIsNone(manager.poll(), attempt)
+        self.assertTrue(pictures)
+
     @staticmethod
     def end_of(node):
         """Interrupts a node; its exit code, and the processor time it still used [s]."""
