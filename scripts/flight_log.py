@@ -31,10 +31,19 @@ class Frame:
             return 'LOCKED'
         parts = ['FORWARD']
         if self.state & YAW:
-            parts.append('YAW left' if self.yaw_rate > 0 else 'YAW right')
+            parts.append('YAW left' if self.turns_left() else 'YAW right')
         if self.state & PITCH:
-            parts.append('PITCH up' if self.pitch_rate > 0 else 'PITCH down')
+            parts.append('PITCH up' if self.turns_up() else 'PITCH down')
         return ' '.join(parts)
+
+    # By the plan, not by the rates: a state may be held while a rate has changed its sign.
+    def turns_left(self):
+        lead = int(self.paths[:, 0].sum()) - int(self.paths[:, 2].sum())
+        return lead > 0 if lead else self.yaw_rate > 0
+
+    def turns_up(self):
+        lead = int(self.paths[0].sum()) - int(self.paths[2].sum())
+        return lead > 0 if lead else self.pitch_rate > 0
 
     def cell_areas(self):
         return np.outer(np.diff(self.rows), np.diff(self.columns)).astype(float)

@@ -34,13 +34,27 @@ std::string format(const char* pattern, double value) {
   return text;
 }
 
+/// Whether cells `a` have more paths than cells `b`; if as many, what the rate says.
+bool moreThan(const GridState& state, const std::array<int, 3>& a, const std::array<int, 3>& b,
+              double rate) {
+  int lead = 0;
+  for (int i = 0; i < 3; ++i) lead += state.paths[a[i]] - state.paths[b[i]];
+  return lead != 0 ? lead > 0 : rate > 0.0;
+}
+
+/// By the plan, not by the rates: a state may be held while a rate has changed its sign.
 std::string stateText(const GridState& state) {
   if (!state.motion_valid) return "MOTION UNKNOWN";
   if (state.state & GridState::LOCKED) return "LOCKED";
   std::string text = "FORWARD";
-  if (state.state & GridState::YAW) text += state.yaw_rate > 0.0 ? "  YAW left" : "  YAW right";
-  if (state.state & GridState::PITCH)
-    text += state.pitch_rate > 0.0 ? "  PITCH up" : "  PITCH down";
+  if (state.state & GridState::YAW) {
+    const bool left = moreThan(state, {0, 3, 6}, {2, 5, 8}, state.yaw_rate);
+    text += left ? "  YAW left" : "  YAW right";
+  }
+  if (state.state & GridState::PITCH) {
+    const bool up = moreThan(state, {0, 1, 2}, {6, 7, 8}, state.pitch_rate);
+    text += up ? "  PITCH up" : "  PITCH down";
+  }
   return text;
 }
 

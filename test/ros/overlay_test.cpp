@@ -37,6 +37,18 @@ TEST(Overlay, TintsTheCellsByTheirPaths) {
   EXPECT_GT(few[0], few[2]) << "4 paths: blue";
 }
 
+TEST(Overlay, NamesTheSideOfTheFocusWhateverTheRateIsByNow) {
+  const cv::Mat grey(360, 640, CV_8UC1, cv::Scalar(128));
+  const auto topBar = [&](double yaw_rate, bool mirrored) {
+    GridState state = makeState(640, 360);
+    state.yaw_rate = yaw_rate;
+    if (mirrored) state.paths = {4, 8, 16, 4, 8, 16, 4, 8, 16};
+    return cv::Mat(drawGridOverlay(grey, state).rowRange(0, 12));
+  };
+  EXPECT_EQ(cv::norm(topBar(0.4, false), topBar(-0.4, false), cv::NORM_INF), 0.0);
+  EXPECT_GT(cv::norm(topBar(0.4, false), topBar(0.4, true), cv::NORM_INF), 0.0);
+}
+
 TEST(Overlay, EnlargesSmallPicturesByAWholeFactor) {
   EXPECT_EQ(overlayScale(256), 3);
   EXPECT_EQ(overlayScale(640), 1);
