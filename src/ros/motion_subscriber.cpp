@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -22,6 +23,8 @@ namespace {
 
 constexpr double kTfCache = 30.0;         // [s]
 constexpr double kFutureTolerance = 0.1;  // [s] by which stamps may lie ahead of the clock
+/// Transforms that may come before the images' stamps follow theirs back.
+constexpr std::size_t kMostAhead = 2000;
 /// Shortest time over which the directions of a camera on a gimbal are differenced [s].
 constexpr double kShortestInterval = 0.05;
 
@@ -44,6 +47,7 @@ struct MotionSubscriber::Impl {
   ros::Subscriber listenToTransforms(ros::NodeHandle& nh, const std::string& topic, bool is_static);
   void acceptTransforms(const tf2_msgs::TFMessage& message, bool is_static);
   void acceptTransform(const geometry_msgs::TransformStamped& transform, bool is_static);
+  void noteTransform(const geometry_msgs::TransformStamped& transform);
   MotionConfig currentConfig() const {
     const std::lock_guard<std::mutex> lock(mutex);
     return config;
@@ -57,8 +61,15 @@ struct MotionSubscriber::Impl {
   std::string mounting = "not asked for yet";
   MotionHistory history;
   bool live = false;
-  bool gave_up = false;                               // waiting for publishers that send nothing
-  std::map<std::string, ros::Time> newest_transform;  // by child frame
+  bool gave_up = false;  // waiting for publishers that send nothing
+  struct NewestTransform {
+    ros::Time stamp;
+    bool stepped_back = false;
+  };
+  std::map<std::string, NewestTransform> newest_transform;  // by child frame
+  /// Transforms of frames whose stamps have stepped back while those of the images have not yet.
+  std::deque<geometry_msgs::TransformStamped> ahead;
+  bool await_transforms = false;  // there were some before the stamps started over
 
   MotionEstimator estimator;  // thread safe itself
   tf2::BufferCore tf;         // likewise
@@ -118,23 +129,32 @@ void MotionSubscriber::Impl::acceptTransforms(const tf2_msgs::TFMessage& message
 
 void MotionSubscriber::Impl::acceptTransform(const geometry_msgs::TransformStamped& transform,
                                              bool is_static) {
-  if (!is_static) {
-    const std::lock_guard<std::mutex> lock(mutex);
-    ros::Time& newest = newest_transform[transform.child_frame_id];
-    // TF ignores what lies farther back than its cache reaches. After one stamp from the future, or
-    // when stamps start over, that would be everything.
-    if (secondsBetween(transform.header.stamp, newest) > kTfCache) {
-      tf.clear();
-      newest = ros::Time();
-    }
-    newest = std::max(newest, transform.header.stamp);
-  }
+  if (!is_static) noteTransform(transform);
   try {
     // It refuses NaN and empty names by itself and says so.
     tf.setTransform(transform, "tf", is_static);
   } catch (const std::runtime_error&) {
     // Stamps within kTfCache of the largest one there is.
   }
+}
+
+void MotionSubscriber::Impl::noteTransform(const geometry_msgs::TransformStamped& transform) {
+  const std::lock_guard<std::mutex> lock(mutex);
+  NewestTransform& newest = newest_transform[transform.child_frame_id];
+  const double step_back = secondsBetween(transform.header.stamp, newest.stamp);
+  newest.stepped_back = newest.stepped_back || step_back > StampWatch::kJump;
+  if (newest.stepped_back) {
+    ahead.push_back(transform);
+    if (ahead.size() > kMostAhead) ahead.pop_front();
+  }
+  // TF ignores what lies farther back than its cache reaches. After one stamp from the future, or
+  // when stamps start over, that would be everything.
+  if (step_back > kTfCache) {
+    tf.clear();
+    newest.stamp = ros::Time();
+  }
+  newest.stamp = std::max(newest.stamp, transform.header.stamp);
+  await_transforms = false;
 }
 
 ros::Subscriber MotionSubscriber::Impl::listenToTransforms(ros::NodeHandle& nh,
@@ -239,6 +259,7 @@ bool MotionSubscriber::ready(const ros::Time& stamp, const std::string& left_opt
   double timeout = 0.0;
   {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
+    if (impl_->await_transforms && !left_optical_frame.empty()) return false;
     const MotionConfig& config = impl_->config;
     timeout = config.motion_timeout;
     body = config.body_frame;
@@ -279,14 +300,21 @@ void MotionSubscriber::giveUpOnFirstMessages() {
   impl_->estimator.awaitNoLonger();
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   impl_->gave_up = true;
+  impl_->await_transforms = false;
 }
 
 void MotionSubscriber::startOver(const ros::Time& stamp) {
   impl_->estimator.startOver(stamp.toSec());
-  impl_->tf.clear();
-  const std::lock_guard<std::mutex> lock(impl_->mutex);
-  impl_->newest_transform.clear();
-  impl_->history.reset();
+  std::deque<geometry_msgs::TransformStamped> ahead;
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    impl_->tf.clear();
+    ahead.swap(impl_->ahead);
+    impl_->await_transforms = !impl_->newest_transform.empty();
+    impl_->newest_transform.clear();
+    impl_->history.reset();
+  }
+  for (const auto& transform : ahead) impl_->acceptTransform(transform, false);
 }
 
 MotionInputStatus MotionSubscriber::status() const {

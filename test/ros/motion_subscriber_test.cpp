@@ -195,6 +195,38 @@ TEST_F(MotionSubscriberTest, StartingOverForgetsSamples) {
   EXPECT_TRUE(at(10.5).valid);
 }
 
+TEST_F(MotionSubscriberTest, StartingOverKeepsTransformsOfTheNewTime) {
+  for (const double first : {60.0, 12.0}) {  // beyond TF's cache, and within
+    for (int i = 0; i <= 10; ++i) {
+      subscriber_.add(mounting(first + 0.1 * i, M_PI / 2), false);
+      fly(first + 0.1 * i, first + 0.1 * i);
+    }
+    subscriber_.add(mounting(10.0, M_PI / 2), false);
+    subscriber_.add(mounting(10.1, M_PI / 2), false);
+    subscriber_.startOver(ros::Time(10.0));
+    fly(10.0, 10.2);
+    const Motion motion = at(10.1, "optical");
+    EXPECT_NEAR(motion.yaw_rate, 0.0, 1e-6) << first;
+    EXPECT_LT(motion.pitch_rate, -0.1) << first;
+    EXPECT_EQ(subscriber_.status().mounting, "tf") << first;
+    EXPECT_FALSE(at(first + 0.5, "optical").valid) << "the old time's are forgotten";
+    subscriber_.startOver(ros::Time(10.0));
+  }
+}
+
+TEST_F(MotionSubscriberTest, StartingOverWaitsForTransformsIfThereWereAny) {
+  fly(10.0, 12.0);
+  subscriber_.startOver(ros::Time(10.0));
+  fly(10.0, 11.0);
+  EXPECT_TRUE(subscriber_.ready(ros::Time(10.5), "optical"));
+  subscriber_.add(mounting(10.4, 0.0), false);
+  subscriber_.startOver(ros::Time(10.0));
+  fly(10.0, 11.0);
+  EXPECT_FALSE(subscriber_.ready(ros::Time(10.5), "optical"));
+  subscriber_.add(mounting(10.5, 0.0), false);
+  EXPECT_TRUE(subscriber_.ready(ros::Time(10.5), "optical"));
+}
+
 TEST_F(MotionSubscriberTest, WaitsNoLongerForSourcesThatDoNotComeBack) {
   fly(10.0, 12.0);
   subscriber_.startOver(ros::Time(10.0));

@@ -85,8 +85,8 @@ class MotionSubscriber {
   Motion waitForMotion(const ros::Time& stamp, const std::string& left_optical_frame);
 
   /// The images' stamps start over at `stamp` (a bag that loops): forgets the samples of before,
-  /// and the transforms that are not static. Samples that belong to the new time may have arrived
-  /// already, and stay.
+  /// and the transforms that are not static. Samples and transforms that belong to the new time may
+  /// have arrived already, and stay.
   void startOver(const ros::Time& stamp);
 
   MotionInputStatus status() const;
