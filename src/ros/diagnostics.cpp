@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
@@ -17,6 +18,8 @@ using diagnostic_updater::DiagnosticStatusWrapper;
 constexpr double kWindow = 5.0;
 /// Pairs below this share of the expected rate are too few.
 constexpr double kRateTolerance = 0.9;
+/// Pairs replaced by newer ones, of those that came, above which the node does not keep up.
+constexpr double kMostReplaced = 0.1;
 /// A stamp that lies ahead of the clock by more than this is wrong [s].
 constexpr double kFutureTolerance = 0.1;
 
@@ -63,8 +66,10 @@ bool idle(const NodeReport& report, DiagnosticStatusWrapper& status) {
 void describeInputs(const NodeReport& report, DiagnosticStatusWrapper& status) {
   std::string silent;
   for (const InputStatus& input : report.sync.inputs) {
-    status.addf(input.topic, "%llu messages, %.1f Hz, last %.1f s ago, %u publishers",
-                static_cast<unsigned long long>(input.received), input.rate, input.silence,
+    char last[32] = "none";
+    if (input.received > 0) std::snprintf(last, sizeof(last), "last %.1f s ago", input.silence);
+    status.addf(input.topic, "%llu messages, %.1f Hz, %s, %u publishers",
+                static_cast<unsigned long long>(input.received), input.rate, last,
                 input.publishers);
     if (input.silence > StereoSync::kPatience) silent += " " + input.topic;
   }
@@ -161,6 +166,14 @@ void describeProcessing(const NodeReport& report, DiagnosticStatusWrapper& statu
     status.mergeSummary(DiagnosticStatus::ERROR,
                         "the newest pair could not be processed: " + report.failure);
   }
+  const std::size_t came = frames.size() + report.replaced_lately;
+  if (static_cast<double>(report.replaced_lately) > kMostReplaced * static_cast<double>(came)) {
+    status.mergeSummaryf(DiagnosticStatus::WARN,
+                         "pairs come faster than they can be matched: %llu of the last %zu were "
+                         "replaced by newer ones; a smaller disparity_range or image, more "
+                         "threads, or target_period",
+                         static_cast<unsigned long long>(report.replaced_lately), came);
+  }
   if (step > 0) {
     status.mergeSummaryf(DiagnosticStatus::WARN,
                          "governor at step %d: paths were taken away to keep target_period", step);
@@ -177,12 +190,16 @@ void describeMotion(const NodeReport& report, DiagnosticStatusWrapper& status) {
   status.add("Mounting of the camera", report.motion_inputs.mounting);
   for (const MotionSourceStatus& source : report.motion_inputs.sources) {
     status.addf(source.name + " " + source.topic,
-                "%llu messages, %.1f Hz, %llu invalid, %llu late, %llu gaps%s%s",
+                "%llu messages, %.1f Hz, %llu invalid, %llu late, %llu twice, %llu gaps, "
+                "%llu clock jumps, %llu from the future%s%s",
                 static_cast<unsigned long long>(source.received), source.rate,
                 static_cast<unsigned long long>(source.invalid),
                 static_cast<unsigned long long>(source.out_of_order),
-                static_cast<unsigned long long>(source.gaps), source.last_error.empty() ? "" : "; ",
-                source.last_error.c_str());
+                static_cast<unsigned long long>(source.duplicates),
+                static_cast<unsigned long long>(source.gaps),
+                static_cast<unsigned long long>(source.clock_jumps),
+                static_cast<unsigned long long>(source.future),
+                source.last_error.empty() ? "" : "; ", source.last_error.c_str());
   }
   if (idle(report, status)) return;
   if (report.frames.empty()) {
@@ -254,6 +271,7 @@ void NodeDiagnostics::onRefused(const std::string& error) {
 void NodeDiagnostics::onReplaced(std::uint64_t count) {
   const std::lock_guard<std::mutex> lock(mutex_);
   report_.replaced += count;
+  replacements_.insert(replacements_.end(), count, steadyNow());
 }
 
 void NodeDiagnostics::onFailure(const std::string& error) {
@@ -311,6 +329,8 @@ void NodeDiagnostics::update() {
     while (!report_.frames.empty() && report_.frames.front().time < oldest) {
       report_.frames.pop_front();
     }
+    while (!replacements_.empty() && replacements_.front() < oldest) replacements_.pop_front();
+    report_.replaced_lately = replacements_.size();
     current_ = report_;
     if (!frame_.empty()) updater_.setHardwareID(frame_);
   }

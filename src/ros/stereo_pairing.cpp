@@ -123,6 +123,5 @@ void StereoPairing::addRightInfo(const sensor_msgs::CameraInfoConstPtr& info,
 void StereoPairing::startOver() { impl_->startOver(); }
 std::uint64_t StereoPairing::dropped() const { return impl_->dropped; }
 std::uint64_t StereoPairing::clockJumps() const { return impl_->clock_jumps; }
-ros::Time StereoPairing::newestStamp(int input) const { return impl_->stamps.newest(input); }
 
 }  // namespace adaptive_grid_stereo

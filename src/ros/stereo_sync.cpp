@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 
 #include <image_transport/image_transport.h>
 #include <ros/ros.h>
@@ -25,11 +26,55 @@ std::string inMilliseconds(double seconds) {
   return text;
 }
 
+/// Stamps of an input to compare with others'.
+constexpr std::size_t kStampsKept = 32;
+/// Clocks that differ by more are not those of cameras that are triggered together [s].
+constexpr double kClocksDiffer = 1.0;
+
 struct Input {
   std::uint64_t received = 0;
   RateMeter meter;
   double last_arrival = 0.0;
+  std::deque<ros::Time> stamps;
 };
+
+/// The step from any of `left` to any of `right` that is smallest by its size [s].
+double smallestStep(const std::deque<ros::Time>& left, const std::deque<ros::Time>& right) {
+  double smallest = 0.0;
+  bool found = false;
+  for (const ros::Time& l : left) {
+    for (const ros::Time& r : right) {
+      const double step = secondsBetween(l, r);
+      if (found && std::abs(step) >= std::abs(smallest)) continue;
+      smallest = step;
+      found = true;
+    }
+  }
+  return smallest;
+}
+
+/// What keeps the stamps of four inputs that all arrive from matching, with the cure.
+std::string stampAdvice(const SyncStatus& status) {
+  const InputStatus* worst = &status.inputs[1];
+  for (const InputStatus& input : status.inputs) {
+    if (input.newest_stamp == 0.0) {
+      return "The stamps on " + input.topic + " are 0: its driver must set them.";
+    }
+    if (std::abs(input.offset) > std::abs(worst->offset)) worst = &input;
+  }
+  const std::string apart = "All inputs arrive, but the stamps on " + worst->topic +
+                            " are never nearer than " + inMilliseconds(std::abs(worst->offset)) +
+                            " to those on " + status.inputs[0].topic;
+  if (std::abs(worst->offset) > kClocksDiffer) {
+    return apart + "; are they of two clocks, or is one stale?";
+  }
+  return apart +
+         (status.approximate
+              ? "; raise approximate_sync_max_interval or queue_size, or trigger the cameras "
+                "together."
+              : "; exact synchronisation wants equal stamps: set approximate_sync, or trigger the "
+                "cameras together.");
+}
 
 }  // namespace
 
@@ -50,22 +95,7 @@ std::string syncAdvice(const SyncStatus& status) {
             "; check the driver and the remapping (rostopic list). Inputs:") +
            counts;
   }
-  double oldest = status.inputs[0].newest_stamp;
-  double newest = oldest;
-  for (const InputStatus& input : status.inputs) {
-    oldest = std::min(oldest, input.newest_stamp);
-    newest = std::max(newest, input.newest_stamp);
-  }
-  const std::string apart =
-      "All inputs arrive, but their stamps do not match (the newest ones lie " +
-      inMilliseconds(newest - oldest) + " apart)";
-  return head + apart +
-         (status.approximate
-              ? "; raise approximate_sync_max_interval or queue_size, or trigger the cameras "
-                "together."
-              : "; exact synchronisation wants equal stamps: set approximate_sync, or trigger the "
-                "cameras together.") +
-         " Inputs:" + counts;
+  return head + stampAdvice(status) + " Inputs:" + counts;
 }
 
 struct StereoSync::Impl {
@@ -112,19 +142,32 @@ struct StereoSync::Impl {
     left_info.shutdown();
     right_info.shutdown();
     subscribed = false;
-    for (Input& input : inputs) input.meter.clear();
+    for (Input& input : inputs) {
+      input.meter.clear();
+      input.stamps.clear();
+    }
     pair_meter.clear();
   }
 
   // Messages ------------------------------------------------------------------------------------
-  void addLeft(const ImageConstPtr& image) { pairing.addLeft(image, arrival(0)); }
-  void addRight(const ImageConstPtr& image) { pairing.addRight(image, arrival(1)); }
-  void addLeftInfo(const CameraInfoConstPtr& info) { pairing.addLeftInfo(info, arrival(2)); }
-  void addRightInfo(const CameraInfoConstPtr& info) { pairing.addRightInfo(info, arrival(3)); }
+  void addLeft(const ImageConstPtr& image) {
+    pairing.addLeft(image, arrival(0, image->header.stamp));
+  }
+  void addRight(const ImageConstPtr& image) {
+    pairing.addRight(image, arrival(1, image->header.stamp));
+  }
+  void addLeftInfo(const CameraInfoConstPtr& info) {
+    pairing.addLeftInfo(info, arrival(2, info->header.stamp));
+  }
+  void addRightInfo(const CameraInfoConstPtr& info) {
+    pairing.addRightInfo(info, arrival(3, info->header.stamp));
+  }
 
   /// Notes that a message has come on that input; returns the time.
-  ros::Time arrival(int index) {
+  ros::Time arrival(int index, const ros::Time& stamp) {
     Input& input = inputs[index];
+    input.stamps.push_back(stamp);
+    if (input.stamps.size() > kStampsKept) input.stamps.pop_front();
     ++input.received;
     input.last_arrival = steadyNow();
     input.meter.tick(input.last_arrival);
@@ -160,7 +203,8 @@ struct StereoSync::Impl {
       input.received = inputs[i].received;
       input.rate = inputs[i].meter.rate(now);
       input.silence = now - inputs[i].last_arrival;
-      input.newest_stamp = pairing.newestStamp(i).toSec();
+      input.newest_stamp = inputs[i].stamps.empty() ? 0.0 : inputs[i].stamps.back().toSec();
+      input.offset = smallestStep(inputs[0].stamps, inputs[i].stamps);
     }
     if (subscribed) {
       report.inputs[0].publishers = left.getNumPublishers();

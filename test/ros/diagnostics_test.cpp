@@ -108,6 +108,32 @@ TEST(Diagnostics, WarnOfPicturesThatCouldNotBeMade) {
   EXPECT_NE(status.message.find("no memory"), std::string::npos) << status.message;
 }
 
+TEST(Diagnostics, WarnWherePairsComeFasterThanTheyCanBeMatched) {
+  NodeReport report = goodReport();
+  report.replaced_lately = 1;
+  report.frames.resize(20);
+  EXPECT_EQ(statusOf(describeProcessing, report).level,
+            statusOf(describeProcessing, goodReport()).level);
+  report.replaced_lately = 60;
+  const auto status = statusOf(describeProcessing, report);
+  EXPECT_EQ(status.level, DiagnosticStatus::WARN);
+  EXPECT_NE(status.message.find("60 of the last 80"), std::string::npos) << status.message;
+}
+
+TEST(Diagnostics, CountWhatTheMotionSourcesSentWrong) {
+  NodeReport report = goodReport();
+  MotionSourceStatus source;
+  source.name = "imu";
+  source.duplicates = 3;
+  source.clock_jumps = 2;
+  source.future = 5;
+  report.motion_inputs.sources = {source};
+  const std::string line = statusOf(describeMotion, report).values.back().value;
+  for (const char* count : {"3 twice", "2 clock jumps", "5 from the future"}) {
+    EXPECT_NE(line.find(count), std::string::npos) << line;
+  }
+}
+
 TEST(Diagnostics, WarnOfTooFewFrames) {
   NodeReport report = goodReport();  // 10 Hz
   report.expected_rate = 10.5;
@@ -177,13 +203,27 @@ TEST(SyncAdvice, NamesTheTopicOnWhichNothingArrives) {
 TEST(SyncAdvice, NamesTheCureForStampsThatDiffer) {
   SyncStatus status = goodReport().sync;
   status.silence = 6.0;
-  status.inputs[1].newest_stamp += 0.0042;
+  status.inputs[1].offset = -0.0042;
   const std::string exact = syncAdvice(status);
   EXPECT_NE(exact.find("4.2 ms"), std::string::npos) << exact;
   EXPECT_NE(exact.find("set approximate_sync"), std::string::npos) << exact;
   status.approximate = true;
   const std::string approximate = syncAdvice(status);
   EXPECT_NE(approximate.find("approximate_sync_max_interval"), std::string::npos) << approximate;
+}
+
+TEST(SyncAdvice, TellsOtherClocksAndStampsThatAreNotSetFromStampsThatDiffer) {
+  SyncStatus status = goodReport().sync;
+  status.silence = 6.0;
+  status.inputs[3].offset = 3600.0;
+  std::string advice = syncAdvice(status);
+  EXPECT_NE(advice.find("/s/right/camera_info are never nearer than 3600000.0 ms"),
+            std::string::npos)
+      << advice;
+  EXPECT_EQ(advice.find("approximate_sync"), std::string::npos) << advice;
+  status.inputs[2].newest_stamp = 0.0;
+  advice = syncAdvice(status);
+  EXPECT_NE(advice.find("/s/left/camera_info are 0"), std::string::npos) << advice;
 }
 
 }  // namespace

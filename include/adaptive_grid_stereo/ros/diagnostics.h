@@ -49,6 +49,7 @@ struct NodeReport {
   std::deque<FrameRecord> frames;  // of the last seconds
   std::uint64_t processed = 0;
   std::uint64_t replaced = 0;
+  std::uint64_t replaced_lately = 0;  // in the last seconds, as `frames`
   std::uint64_t refused = 0;
   std::uint64_t failed = 0;
   std::uint64_t side_failed = 0;
@@ -99,9 +100,10 @@ class NodeDiagnostics {
   void update();
 
   mutable std::mutex mutex_;
-  NodeReport report_;   // guarded
-  std::string frame_;   // guarded
-  NodeReport current_;  // of the update in progress
+  NodeReport report_;                // guarded
+  std::string frame_;                // guarded
+  std::deque<double> replacements_;  // guarded; when [s], in the last seconds
+  NodeReport current_;               // of the update in progress
   std::function<void(NodeReport&)> fill_;
   diagnostic_updater::Updater updater_;
   ros::SteadyTimer timer_;

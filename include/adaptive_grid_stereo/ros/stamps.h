@@ -37,9 +37,6 @@ class StampWatch {
     return jumped;
   }
 
-  /// 0 before the first.
-  const ros::Time& newest(int input) const { return newest_[input]; }
-
  private:
   std::array<ros::Time, 4> newest_;
   ros::Time earliest_ = ros::TIME_MAX;

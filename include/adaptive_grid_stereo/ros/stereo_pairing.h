@@ -46,8 +46,6 @@ class StereoPairing {
   std::uint64_t dropped() const;
   /// Times that stamps jumped back.
   std::uint64_t clockJumps() const;
-  /// Newest stamp of left image, right image, left info, right info since the last jump; 0: none.
-  ros::Time newestStamp(int input) const;
 
  private:
   struct Impl;

@@ -26,11 +26,13 @@ struct SyncOptions {
 
 /// What has come in on one of the four inputs.
 struct InputStatus {
-  std::string topic;             // resolved
-  std::uint64_t received = 0;    // messages since the node started
-  double rate = 0.0;             // [Hz], over the last seconds
-  double silence = 0.0;          // since the last message, or since subscribing [s]
-  double newest_stamp = 0.0;     // [s]
+  std::string topic;           // resolved
+  std::uint64_t received = 0;  // messages since the node started
+  double rate = 0.0;           // [Hz], over the last seconds
+  double silence = 0.0;        // since the last message, or since subscribing [s]
+  double newest_stamp = 0.0;   // [s]
+  /// From the left images' stamps to this input's, where they come nearest to each other [s].
+  double offset = 0.0;
   std::uint32_t publishers = 0;  // now
 };
 
