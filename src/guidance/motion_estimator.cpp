@@ -104,6 +104,12 @@ bool MotionEstimator::Impl::speedAt(double time, Motion* motion) const {
     }
     if (chosen == "auto" || chosen == "gps_fix") {
       motion->reason += ageText("gps_fix", sources.gps_fix, time);
+      const FixSample* newest = sources.gps_fix.latest(time);
+      if (newest != nullptr && time - newest->stamp <= config.motion_timeout) {
+        motion->reason +=
+            " (three fixes over half of fix_window are needed, none later than motion_timeout "
+            "after the one before)";
+      }
     }
     return false;
   }

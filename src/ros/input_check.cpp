@@ -15,6 +15,8 @@ namespace {
 constexpr double kFocalTolerance = 1e-3;
 /// No rig is wider [m].
 constexpr double kLargestBaseline = 100.0;
+/// No aircraft's cameras are farther apart; a small rig's baseline in millimetres is [m].
+constexpr double kOddBaseline = 5.0;
 /// Differences of the two stamps beyond this are mentioned [s].
 constexpr double kOddStampDifference = 0.005;
 
@@ -137,6 +139,13 @@ void addWarnings(const StereoPair& pair, const InputTopics& topics, InputVerdict
         topics.left_image +
         " has the stamp 0; without stamps the motion cannot be looked up, so "
         "let the driver fill header.stamp");
+  }
+  if (verdict.geometry.baseline > kOddBaseline) {
+    verdict.warnings.push_back(
+        "the baseline is " + number(verdict.geometry.baseline) + " m by " +
+        (verdict.geometry.baseline_source == "parameter" ? "the parameter baseline"
+                                                         : topics.right_info) +
+        "; is that in millimetres? Ranges would be a thousand times too large");
   }
   const double difference =
       std::abs(secondsBetween(pair.left->header.stamp, pair.right->header.stamp));

@@ -95,7 +95,15 @@ template <typename Enum, typename Parser>
 void takeEnum(const XmlRpcValue& raw, Parser parser, Enum& value) {
   std::string name;
   take(raw, name);
-  value = parser(name);
+  try {
+    value = parser(name);
+  } catch (const std::invalid_argument& error) {
+    // The caller says the value itself.
+    const std::string sentence = error.what(), before = "expected ";
+    const std::size_t at = sentence.find(before);
+    throw std::invalid_argument(at == std::string::npos ? sentence
+                                                        : sentence.substr(at + before.size()));
+  }
 }
 void take(const XmlRpcValue& raw, CensusWindow& value) {
   takeEnum(raw, censusWindowFromString, value);

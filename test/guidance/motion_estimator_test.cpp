@@ -62,6 +62,15 @@ TEST(MotionEstimatorTest, SpeedAloneIsNotEnough) {
   EXPECT_NE(motion.reason.find("imu none"), std::string::npos) << motion.reason;
 }
 
+TEST(MotionEstimatorTest, SaysWhatFixesLackThatComeTooSeldom) {
+  MotionEstimator estimator{MotionConfig()};
+  for (int i = 0; i <= 10; ++i) estimator.add(fix(1.0 + i, 10.0 * i));
+  const Motion motion = at(estimator, 11.1);
+  EXPECT_FALSE(motion.valid);
+  EXPECT_NE(motion.reason.find("gps_fix 0.10 s old (three fixes"), std::string::npos)
+      << motion.reason;
+}
+
 TEST(MotionEstimatorTest, InterpolatesFastOdometry) {
   MotionEstimator estimator{MotionConfig()};
   for (int i = 0; i <= 100; ++i) estimator.add(odometry(1.0 + 0.02 * i, 10.0 + 0.02 * i));

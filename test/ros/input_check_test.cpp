@@ -186,6 +186,18 @@ TEST(InputCheck, RefusesImpossibleBaselines) {
   expectRefused(swapped.check(), InputFault::kBaseline, {"-0.2 m", "swapped"});
 }
 
+TEST(InputCheck, MentionsABaselineThatMayBeInMillimetres) {
+  Messages messages;
+  messages.right_info.P[3] = -100.0 * 63.0;
+  const InputVerdict verdict = messages.check();
+  ASSERT_TRUE(verdict.ok()) << verdict.error;
+  ASSERT_EQ(verdict.warnings.size(), 1u);
+  const std::string& warning = verdict.warnings[0];
+  for (const char* word : {"63 m", "right/camera_info", "millimetres"}) {
+    EXPECT_NE(warning.find(word), std::string::npos) << warning;
+  }
+}
+
 TEST(InputCheck, LetsTheParameterOverrideTheBaseline) {
   Messages messages;
   messages.right_info.P[3] = 0.0;

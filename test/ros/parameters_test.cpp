@@ -249,6 +249,11 @@ TEST(ReadNodeConfig, KeepsTheDefaultForAWrongType) {
   warningOf("disparity_range", XmlRpcValue(64.5), config);
   warningOf("census_window", XmlRpcValue("4x4"), config);
   EXPECT_EQ(config.processor.matcher.census_window, CensusWindow::k9x7);
+  const std::string axes = warningOf("velocity_axes", XmlRpcValue("nwu"), config);
+  EXPECT_NE(
+      axes.find("~velocity_axes is nwu, expected body_flu, body_frd, enu or ned; the default"),
+      std::string::npos)
+      << axes;
   warningOf("camera_rpy", XmlRpcValue(1.0), config);
   warningOf("lazy", XmlRpcValue("yes"), config);
   EXPECT_TRUE(config.lazy);
