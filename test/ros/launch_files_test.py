@@ -9,6 +9,7 @@ import unittest
 import yaml
 
 PACKAGE = ''
+LAUNCH_FILES = ('adaptive_grid_stereo', 'mavros', 'dji', 'airsim', 'replay', 'euroc')
 
 
 def parameters_in(name):
@@ -66,10 +67,70 @@ class LaunchFilesTest(unittest.TestCase):
     def test_nothing_is_left_to_an_earlier_launch(self):
         """A master keeps parameters, so those that no file names are set, too."""
         self.assertEqual(Launch('adaptive_grid_stereo').parameters(), parameters_in('default.yaml'))
-        for launch in ('mavros', 'dji', 'airsim', 'replay', 'euroc'):
+        for launch in LAUNCH_FILES:
             with self.subTest(launch):
                 found = Launch(launch, config=self.file(max_speed=33.0)).parameters()
                 self.assertEqual(set(found), set(parameters_in('default.yaml')))
+
+    def test_presets_are_the_defaults(self):
+        """What each launch file wants where neither the user's file nor an argument says otherwise."""
+        wanted = {'adaptive_grid_stereo': {}, 'mavros': {}, 'dji': {'approximate_sync': True},
+                  'airsim': {'approximate_sync': True, 'queue_size': 10, 'baseline': 0.25,
+                             'body_frame': 'drone_1/odom_local_ned'},
+                  'replay': {'lazy': False}, 'euroc': {'lazy': False, 'process_every_frame': True}}
+        for launch in LAUNCH_FILES:
+            with self.subTest(launch):
+                found = Launch(launch, config=self.file(max_speed=33.0)).parameters()
+                for name in ('approximate_sync', 'queue_size', 'lazy', 'process_every_frame', 'baseline',
+                             'body_frame'):
+                    expected = wanted[launch].get(name, parameters_in('default.yaml')[name])
+                    self.assertEqual(found[name], expected, name)
+
+    def test_users_parameters_win_over_the_launch_files_defaults(self):
+        for launch in LAUNCH_FILES:
+            names = {'approximate_sync', 'lazy', 'process_every_frame'}
+            if launch == 'euroc':
+                names.remove('lazy')  # its player waits for the node
+            for value in (True, False):
+                with self.subTest(launch, value=value):
+                    mine = dict.fromkeys(names, value)
+                    mine.update(queue_size=17)
+                    if launch == 'airsim':
+                        mine.update(baseline=0.4, body_frame='mine')
+                    found = Launch(launch, config=self.file(**mine)).parameters()
+                    self.assertEqual({name: found[name] for name in mine}, mine)
+
+    def test_arguments_win_over_the_users_parameters(self):
+        for launch in LAUNCH_FILES:
+            names = {'approximate_sync', 'lazy', 'process_every_frame', 'queue_size'}
+            if launch in ('replay', 'euroc'):
+                names -= {'approximate_sync', 'queue_size'}  # are not arguments
+            if launch == 'euroc':
+                names.remove('lazy')
+            for value in (True, False):
+                with self.subTest(launch, value=value):
+                    given = dict.fromkeys(names, value)
+                    mine = dict.fromkeys(names, not value)
+                    if 'queue_size' in names:
+                        given.update(queue_size=23)
+                        mine.update(queue_size=17)
+                    if launch == 'airsim':
+                        given.update(baseline=0.3)
+                        mine.update(baseline=0.4)
+                    arguments = {name: str(argument).lower() for name, argument in given.items()}
+                    found = Launch(launch, config=self.file(**mine), **arguments).parameters()
+                    self.assertEqual({name: found[name] for name in given}, given)
+
+    def test_point_cloud_pairs_as_the_disparity_does(self):
+        cases = (({}, {}, False, 30), ({'approximate_sync': True, 'queue_size': 2}, {}, True, 30),
+                 ({'approximate_sync': True}, {'approximate_sync': 'false'}, False, 30),
+                 ({}, {'approximate_sync': 'true', 'queue_size': '40'}, True, 40))
+        for mine, arguments, approximate, queue in cases:
+            with self.subTest(mine=mine, arguments=arguments):
+                launch = Launch('adaptive_grid_stereo', config=self.file(max_speed=33.0, **mine), **arguments)
+                cloud = launch.parameters('/point_cloud2')
+                self.assertEqual((cloud['approximate_sync'], cloud['queue_size']), (approximate, queue))
+        self.assertTrue(Launch('dji').parameters('/point_cloud2')['approximate_sync'])
 
 
 if __name__ == '__main__':
