@@ -7,6 +7,7 @@ import tempfile
 import unittest
 
 import yaml
+from rosgraph.names import ns_join
 
 PACKAGE = ''
 LAUNCH_FILES = ('adaptive_grid_stereo', 'mavros', 'dji', 'airsim', 'replay', 'euroc')
@@ -31,11 +32,21 @@ class Launch:
                          argv=['%s:=%s' % argument for argument in arguments.items()])
         self.nodes = {node.namespace + node.name: node for node in self.config.nodes}
 
-    def parameters(self, node='/disparity'):
-        """Private parameters of the one node whose name ends so."""
-        found, = [name for name in self.nodes if name.endswith(node)]
-        return {key[len(found) + 1:]: parameter.value for key, parameter in self.config.params.items()
-                if key.startswith(found + '/')}
+    def node(self, end):
+        """The one node whose name ends so."""
+        found, = [node for name, node in self.nodes.items() if name.endswith(end)]
+        return found
+
+    def parameters(self, end='/disparity'):
+        """Private parameters of that node."""
+        prefix = self.node(end).namespace + self.node(end).name + '/'
+        return {key[len(prefix):]: parameter.value for key, parameter in self.config.params.items()
+                if key.startswith(prefix)}
+
+    def remaps(self, end):
+        """Its remappings, from and to full names."""
+        node = self.node(end)
+        return {ns_join(node.namespace, old): ns_join(node.namespace, new) for old, new in node.remap_args}
 
 
 class LaunchFilesTest(unittest.TestCase):
@@ -103,10 +114,8 @@ class LaunchFilesTest(unittest.TestCase):
     def test_arguments_win_over_the_users_parameters(self):
         for launch in LAUNCH_FILES:
             names = {'approximate_sync', 'lazy', 'process_every_frame', 'queue_size'}
-            if launch in ('replay', 'euroc'):
-                names -= {'approximate_sync', 'queue_size'}  # are not arguments
             if launch == 'euroc':
-                names.remove('lazy')
+                names = {'process_every_frame'}  # it has no other
             for value in (True, False):
                 with self.subTest(launch, value=value):
                     given = dict.fromkeys(names, value)
@@ -131,6 +140,27 @@ class LaunchFilesTest(unittest.TestCase):
                 cloud = launch.parameters('/point_cloud2')
                 self.assertEqual((cloud['approximate_sync'], cloud['queue_size']), (approximate, queue))
         self.assertTrue(Launch('dji').parameters('/point_cloud2')['approximate_sync'])
+
+    def test_replay_takes_other_names_and_stamps(self):
+        launch = Launch('replay', camera='rig', left='port', right='starboard', rectify='true',
+                        frame='port_optical', approximate_sync='true', queue_size='40', point_cloud='true',
+                        imu='/fc/imu', odom='/fc/odom', gps_vel='/fc/vel', gps_fix='/fc/fix', mag='/fc/mag')
+        self.assertEqual(launch.remaps('/disparity'), {
+            '/stereo/rig/left/image_rect': '/stereo/rig/port/image_rect',
+            '/stereo/rig/left/camera_info': '/stereo/rig/port/camera_info',
+            '/stereo/rig/right/image_rect': '/stereo/rig/starboard/image_rect',
+            '/stereo/rig/right/camera_info': '/stereo/rig/starboard/camera_info',
+            '/stereo/rig/imu': '/fc/imu', '/stereo/rig/odom': '/fc/odom', '/stereo/rig/gps/vel': '/fc/vel',
+            '/stereo/rig/gps/fix': '/fc/fix', '/stereo/rig/mag': '/fc/mag'})
+        self.assertEqual(launch.remaps('/point_cloud2'), {
+            '/stereo/rig/left/image_rect_color': '/stereo/rig/port/image_rect_color',
+            '/stereo/rig/left/camera_info': '/stereo/rig/port/camera_info',
+            '/stereo/rig/right/camera_info': '/stereo/rig/point_cloud/right_camera_info'})
+        for rectifier in ('/rig/port/rectify_color', '/rig/starboard/rectify_color'):
+            self.assertTrue(launch.node(rectifier))
+        for node in ('/disparity', '/point_cloud2'):
+            found = launch.parameters(node)
+            self.assertEqual((found['approximate_sync'], found['queue_size']), (True, 40))
 
 
 if __name__ == '__main__':
