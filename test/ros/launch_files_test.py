@@ -162,6 +162,16 @@ class LaunchFilesTest(unittest.TestCase):
             found = launch.parameters(node)
             self.assertEqual((found['approximate_sync'], found['queue_size']), (True, 40))
 
+    def test_respawn_covers_every_node(self):
+        for launch, frame in (('adaptive_grid_stereo', {'point_cloud_frame': 'left_optical'}),
+                              ('mavros', {'point_cloud_frame': 'left_optical'}),
+                              ('dji', {'point_cloud_frame': 'left_optical'}), ('airsim', {})):
+            for respawn in (True, False):
+                with self.subTest(launch, respawn=respawn):
+                    nodes = Launch(launch, respawn=str(respawn).lower(), **frame).nodes
+                    self.assertGreaterEqual(len(nodes), 2)
+                    self.assertEqual([name for name, node in nodes.items() if node.respawn != respawn], [])
+
 
 if __name__ == '__main__':
     PACKAGE = os.path.abspath(sys.argv.pop(1))
