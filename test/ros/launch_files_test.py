@@ -172,6 +172,22 @@ class LaunchFilesTest(unittest.TestCase):
                     self.assertGreaterEqual(len(nodes), 2)
                     self.assertEqual([name for name, node in nodes.items() if node.respawn != respawn], [])
 
+    def test_rviz_shows_the_camera_that_is_replayed(self):
+        def topics_of(value):
+            """All topics in the tree of rviz's settings."""
+            if isinstance(value, list):
+                return set().union(*map(topics_of, value))
+            if not isinstance(value, dict):
+                return set()
+            here = {value[name] for name in ('Topic', 'Image Topic') if value.get(name)}
+            return here.union(*map(topics_of, value.values()))
+
+        with open(os.path.join(PACKAGE, 'rviz', 'replay.rviz')) as file:
+            shown = topics_of(yaml.safe_load(file))
+        self.assertTrue(shown)
+        found = Launch('replay', camera='rig', rviz='true').remaps('/rviz')
+        self.assertEqual(found, {topic: topic.replace('/stereo/', '/stereo/rig/') for topic in shown})
+
 
 if __name__ == '__main__':
     PACKAGE = os.path.abspath(sys.argv.pop(1))
