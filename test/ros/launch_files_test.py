@@ -2,9 +2,11 @@
 """What the launch files make of their arguments: nodes, remappings and parameters as roslaunch resolves
 them, without starting anything: launch_files_test.py DIRECTORY_OF_THE_PACKAGE"""
 import os
+import re
 import sys
 import tempfile
 import unittest
+from xml.etree import ElementTree
 
 import yaml
 from rosgraph.names import ns_join
@@ -187,6 +189,51 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertTrue(shown)
         found = Launch('replay', camera='rig', rviz='true').remaps('/rviz')
         self.assertEqual(found, {topic: topic.replace('/stereo/', '/stereo/rig/') for topic in shown})
+
+    def test_stacks_take_the_arguments_of_the_readme(self):
+        """roslaunch says nothing of an argument that a launch file does not know."""
+        with open(os.path.join(PACKAGE, 'README.md')) as file:
+            table = file.read().split('\n| argument |')[1].split('\n\n')[0]
+        documented = {name for line in table.splitlines()[2:]
+                      for name in re.findall('`([a-z_]+)`', line.split('|')[1])}
+        self.assertGreater(len(documented), 10)
+        for launch in ('adaptive_grid_stereo', 'mavros', 'dji', 'airsim'):
+            with self.subTest(launch):
+                tree = ElementTree.parse(os.path.join(PACKAGE, 'launch', launch + '.launch'))
+                known = {argument.get('name') for argument in tree.getroot().findall('arg')
+                         if argument.get('value') is None}
+                if launch == 'airsim':
+                    known |= {'rectify', 'point_cloud', 'point_cloud_frame'}
+                self.assertEqual(documented - known, set())
+
+    def test_stacks_take_other_topics(self):
+        topics = {'imu': 'imu', 'odom': 'odom', 'gps_vel': 'gps/vel', 'gps_fix': 'gps/fix', 'mag': 'mag'}
+        for launch in ('adaptive_grid_stereo', 'mavros', 'dji', 'airsim', 'replay'):
+            with self.subTest(launch):
+                found = Launch(launch, **{name: '/mine/' + name for name in topics})
+                node = found.node('/disparity')
+                for name, topic in topics.items():
+                    self.assertEqual(found.remaps('/disparity')[ns_join(node.namespace, topic)], '/mine/' + name)
+
+    def test_topics_of_the_stacks(self):
+        unused, drone = '/stereo/%s_not_used', '/airsim_node/drone_1/'
+        wanted = {
+            ('mavros', 'false'): ('/mavros/imu/data', '/mavros/local_position/odom',
+                                  '/mavros/global_position/raw/gps_vel', '/mavros/global_position/raw/fix',
+                                  '/mavros/imu/mag'),
+            ('mavros', 'true'): ('/mavros/imu/data', unused % 'odom', '/mavros/global_position/raw/gps_vel',
+                                 '/mavros/global_position/raw/fix', '/mavros/imu/mag'),
+            ('dji', ''): ('/dji_osdk_ros/imu', unused % 'odom', '/dji_osdk_ros/velocity_twist',
+                          '/dji_osdk_ros/gps_position', unused % 'mag'),
+            ('airsim', ''): (drone + 'imu/Imu', drone + 'odom_local_ned', '/stereo/drone_1/gps/vel',
+                             drone + 'gps/Gps', '/stereo/drone_1/mag')}
+        for (launch, gps_only), topics in wanted.items():
+            with self.subTest(launch, gps_only=gps_only):
+                found = Launch(launch, **({'gps_only': gps_only} if gps_only else {}))
+                space = found.node('/disparity').namespace
+                remaps = found.remaps('/disparity')
+                self.assertEqual(tuple(remaps[space + name] for name in ('imu', 'odom', 'gps/vel', 'gps/fix', 'mag')),
+                                 topics)
 
 
 if __name__ == '__main__':
