@@ -18,12 +18,23 @@ struct Options {
   std::string optical_frame;
   std::string left_image, right_image, left_info, right_info;
   double baseline = 0.0;
-  MotionTopics topics;
+  NamedTopics topics;
   MotionConfig motion;
 };
 
 std::optional<std::string> named(const std::string& topic) {
   return topic.empty() ? std::nullopt : std::optional<std::string>(topic);
+}
+
+void addMotionFindings(BagReader* bag, const Options& options, std::vector<Finding>* findings) {
+  std::vector<std::string> notes;
+  const MotionTopics topics = chooseMotionTopics(bag->connections(), options.topics, &notes);
+  for (const std::string& note : notes) {
+    findings->push_back({Verdict::kWarning, "motion topics", note});
+  }
+  for (const Finding& finding : checkMotion(bag, topics, options.motion, options.optical_frame)) {
+    findings->push_back(finding);
+  }
 }
 
 int run(const Options& options) {
@@ -37,12 +48,8 @@ int run(const Options& options) {
     topics.right_image = named(options.right_image);
     topics.left_info = named(options.left_info);
     topics.right_info = named(options.right_info);
-    // Motion topics are looked at below.
-    topics.imu = topics.odom = topics.gps_vel = topics.gps_fix = topics.mag = "";
     findings = checkImages(&bag, topics, options.baseline);
-    const std::vector<Finding> motion = checkMotion(&bag, chooseMotionTopics(bag, options.topics),
-                                                    options.motion, options.optical_frame);
-    findings.insert(findings.end(), motion.begin(), motion.end());
+    addMotionFindings(&bag, options, &findings);
   }
   if (!bag.damage().empty()) findings.push_back({Verdict::kError, "bag", bag.damage()});
 

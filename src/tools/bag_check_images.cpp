@@ -179,8 +179,7 @@ std::vector<Finding> checkImages(BagReader* bag, const NamedTopics& named, doubl
   }
   BagTopics topics;
   try {
-    std::vector<std::string> notes;
-    topics = chooseTopics(connections, named, &notes);
+    topics = chooseImageTopics(connections, named);
   } catch (const std::runtime_error& error) {
     return {{Verdict::kError, "stereo pairs", error.what()}};
   }

@@ -89,6 +89,7 @@ class BagProcessor {
   void take(const BagMessage& message) {
     const std::string& topic = message.connection->topic;
     const BagTopics& t = job_.topics;
+    const MotionTopics& m = t.motion;
     if (topic == t.left_image) {
       ++report_.left_images;
       pairs_.addLeft(deserialize<sensor_msgs::Image>(message), message.time);
@@ -102,11 +103,11 @@ class BagProcessor {
     if (topic == t.right_info) {
       pairs_.addRightInfo(deserialize<sensor_msgs::CameraInfo>(message), message.time);
     }
-    if (topic == t.imu) motion_.add(*deserialize<sensor_msgs::Imu>(message));
-    if (topic == t.odom) motion_.add(*deserialize<nav_msgs::Odometry>(message));
-    if (topic == t.gps_vel) motion_.add(*deserialize<geometry_msgs::TwistStamped>(message));
-    if (topic == t.gps_fix) motion_.add(*deserialize<sensor_msgs::NavSatFix>(message));
-    if (topic == t.mag) motion_.add(*deserialize<sensor_msgs::MagneticField>(message));
+    if (topic == m.imu) motion_.add(*deserialize<sensor_msgs::Imu>(message));
+    if (topic == m.odom) motion_.add(*deserialize<nav_msgs::Odometry>(message));
+    if (topic == m.gps_vel) motion_.add(*deserialize<geometry_msgs::TwistStamped>(message));
+    if (topic == m.gps_fix) motion_.add(*deserialize<sensor_msgs::NavSatFix>(message));
+    if (topic == m.mag) motion_.add(*deserialize<sensor_msgs::MagneticField>(message));
     if (topic == "/tf" || topic == "tf") {
       motion_.add(*deserialize<tf2_msgs::TFMessage>(message), false);
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -113,6 +114,44 @@ std::string findInfo(const TypeOf& types, const std::optional<std::string>& name
                            "; topics of type " + kInfo + ": " + listed(topicsOfType(types, kInfo)));
 }
 
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// Whether a topic can be a sensor's: what the aircraft is told to do, and what only a simulation
+/// knows, come in the same types.
+bool isMeasured(const std::string& topic) {
+  std::string name = topic;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char letter) { return std::tolower(letter); });
+  for (const char* part : {"setpoint", "cmd_vel", "command", "desired", "target", "reference",
+                           "ground_truth", "groundtruth"}) {
+    if (contains(name, part)) return false;
+  }
+  return true;
+}
+
+/// How much a topic is to be preferred among those of its type.
+int preference(const std::string& topic) {
+  if (contains(topic, "local_position/odom")) return 2;     // mavros: body axes throughout
+  if (contains(topic, "global_position/local")) return -2;  // mavros: vertical sign is wrong
+  if (contains(topic, "velocity_local")) return -2;         // mavros: frame is wrong
+  if (contains(topic, "raw/gps_vel") || contains(topic, "raw/fix")) return 1;
+  if (contains(topic, "data_raw") || contains(topic, "imu/raw")) return -1;  // no orientation
+  return 0;
+}
+
+/// The measured topics of a type; of these only the most preferred.
+std::vector<std::string> motionCandidates(const TypeOf& types, const std::string& type) {
+  std::vector<std::string> best;
+  for (const std::string& topic : topicsOfType(types, type)) {
+    if (!isMeasured(topic)) continue;
+    if (!best.empty() && preference(topic) > preference(best.front())) best.clear();
+    if (best.empty() || preference(topic) == preference(best.front())) best.push_back(topic);
+  }
+  return best;
+}
+
 std::string findMotion(const TypeOf& types, const std::optional<std::string>& named,
                        const std::string& type, const std::string& option,
                        const std::vector<std::string>& usual_ends,
@@ -121,11 +160,7 @@ std::string findMotion(const TypeOf& types, const std::optional<std::string>& na
     if (!named->empty()) requireType(types, *named, type);
     return *named;
   }
-  std::vector<std::string> candidates;
-  for (const std::string& topic : topicsOfType(types, type)) {
-    // What a simulator knows is no sensor.
-    if (topic.find("ground_truth") == std::string::npos) candidates.push_back(topic);
-  }
+  const std::vector<std::string> candidates = motionCandidates(types, type);
   if (candidates.size() == 1) return candidates.front();
   for (const std::string& end : usual_ends) {
     std::vector<std::string> fitting;
@@ -141,18 +176,30 @@ std::string findMotion(const TypeOf& types, const std::optional<std::string>& na
   return "";
 }
 
-}  // namespace
-
-BagTopics chooseTopics(const std::vector<BagConnection>& connections, const NamedTopics& named,
-                       std::vector<std::string>* notes) {
+TypeOf typesOf(const std::vector<BagConnection>& connections) {
   TypeOf types;
   for (const BagConnection& connection : connections) {
     types[connection.topic] = connection.datatype;
   }
+  return types;
+}
+
+}  // namespace
+
+BagTopics chooseImageTopics(const std::vector<BagConnection>& connections,
+                            const NamedTopics& named) {
+  const TypeOf types = typesOf(connections);
   BagTopics topics;
   findImages(types, named, &topics);
   topics.left_info = findInfo(types, named.left_info, topics.left_image, "--left-info");
   topics.right_info = findInfo(types, named.right_info, topics.right_image, "--right-info");
+  return topics;
+}
+
+MotionTopics chooseMotionTopics(const std::vector<BagConnection>& connections,
+                                const NamedTopics& named, std::vector<std::string>* notes) {
+  const TypeOf types = typesOf(connections);
+  MotionTopics topics;
   topics.imu = findMotion(types, named.imu, "sensor_msgs/Imu", "--imu",
                           {"imu/data", "/imu", "imu/data_raw"}, notes);
   topics.odom = findMotion(types, named.odom, "nav_msgs/Odometry", "--odom",
@@ -163,6 +210,13 @@ BagTopics chooseTopics(const std::vector<BagConnection>& connections, const Name
                               {"gps/fix", "raw/fix", "/fix", "global"}, notes);
   topics.mag = findMotion(types, named.mag, "sensor_msgs/MagneticField", "--mag",
                           {"imu/mag", "/mag"}, notes);
+  return topics;
+}
+
+BagTopics chooseTopics(const std::vector<BagConnection>& connections, const NamedTopics& named,
+                       std::vector<std::string>* notes) {
+  BagTopics topics = chooseImageTopics(connections, named);
+  topics.motion = chooseMotionTopics(connections, named, notes);
   return topics;
 }
 

@@ -9,17 +9,18 @@
 
 namespace adaptive_grid_stereo {
 
+/// Names of the topics that carry motion; "" = none.
+struct MotionTopics {
+  std::string imu, odom, gps_vel, gps_fix, mag;
+};
+
 /// Names of the topics to use; "" = none.
 struct BagTopics {
   std::string left_image;
   std::string right_image;
   std::string left_info;
   std::string right_info;
-  std::string imu;
-  std::string odom;
-  std::string gps_vel;
-  std::string gps_fix;
-  std::string mag;
+  MotionTopics motion;
 };
 
 /// The same as the user names them; what he leaves open is found by type and name.
@@ -29,10 +30,22 @@ struct NamedTopics {
 };
 
 /// Finds the stereo pair (two image topics whose names differ only as left and right do, rectified
-/// ones first), its camera_infos, and the motion sources (the only topic of the type, or the one
-/// with the usual name). Motion sources that stay in doubt are left out, with a sentence in
-/// `notes`. Throws std::runtime_error, listing the candidates, if no pair or several are found, or
-/// a named topic is not in the bag or of another type.
+/// ones first) and its camera_infos; `motion` stays empty. Throws std::runtime_error, listing the
+/// candidates, if no pair or several are found, or a named topic is not in the bag or of another
+/// type.
+BagTopics chooseImageTopics(const std::vector<BagConnection>& connections,
+                            const NamedTopics& named);
+
+/// Finds the motion sources, the same ones for every tool: the only topic of the type, or the one
+/// that the flight stacks offer as the better (an Imu with orientation before a raw one, odometry
+/// of the body before that of the GPS), or the one with the usual name. What is commanded, and what
+/// only a simulation knows, is taken only where it is named. Sources that stay in doubt are left
+/// out, with a sentence in `notes`. Throws std::runtime_error if a named topic is not in the bag or
+/// of another type.
+MotionTopics chooseMotionTopics(const std::vector<BagConnection>& connections,
+                                const NamedTopics& named, std::vector<std::string>* notes);
+
+/// Both.
 BagTopics chooseTopics(const std::vector<BagConnection>& connections, const NamedTopics& named,
                        std::vector<std::string>* notes);
 

@@ -1,11 +1,9 @@
 #include "motion_log.h"
 
-#include <algorithm>
 #include <cmath>
-#include <map>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
-#include <vector>
 
 #include "adaptive_grid_stereo/ros/parameter_visitor.h"
 #include "command_line.h"
@@ -18,22 +16,6 @@ namespace {
 constexpr double kPatience = 0.5;
 /// Of a gap in the recording that is longer, only its end is asked for [s].
 constexpr double kLongestGap = 60.0;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-/// How much a topic is to be preferred among those of its type.
-int preference(const std::string& topic) {
-  if (contains(topic, "local_position/odom")) return 2;     // mavros: body axes throughout
-  if (contains(topic, "global_position/local")) return -2;  // mavros: vertical sign is wrong
-  if (contains(topic, "velocity_local")) return -2;         // mavros: frame is wrong
-  if (contains(topic, "raw/gps_vel") || contains(topic, "raw/fix")) return 1;
-  if (contains(topic, "data_raw") || contains(topic, "imu/raw")) return -1;  // no orientation
-  // What is wanted, and what a simulator knows, is no sensor.
-  if (contains(topic, "setpoint") || contains(topic, "ground_truth")) return -3;
-  return 0;
-}
 
 namespace po = boost::program_options;
 
@@ -73,39 +55,6 @@ po::typed_value<std::string>* optionFor(std::array<double, 3>* target) {
       });
 }
 
-struct Candidate {
-  std::string topic;
-  std::size_t messages = 0;
-};
-
-/// Topics by datatype, with their numbers of messages.
-std::multimap<std::string, Candidate> topicsByType(const BagReader& bag) {
-  std::map<std::string, std::string> types;
-  for (const BagConnection& connection : bag.connections()) {
-    types[connection.topic] = connection.datatype;
-  }
-  std::multimap<std::string, Candidate> result;
-  for (const auto& [topic, type] : types) {
-    result.insert({type, {topic, bag.messageCount(topic)}});
-  }
-  return result;
-}
-
-void choose(const std::multimap<std::string, Candidate>& topics, const std::string& type,
-            std::string* topic) {
-  if (*topic == "none") {
-    topic->clear();
-    return;
-  }
-  if (!topic->empty()) return;
-  const auto [begin, end] = topics.equal_range(type);
-  const auto best = std::max_element(begin, end, [](const auto& a, const auto& b) {
-    const int left = preference(a.second.topic), right = preference(b.second.topic);
-    return left != right ? left < right : a.second.messages < b.second.messages;
-  });
-  if (best != end && preference(best->second.topic) > -3) *topic = best->second.topic;
-}
-
 template <typename Message>
 bool give(const BagMessage& message, MotionSubscriber* subscriber) {
   subscriber->add(*deserialize<Message>(message));
@@ -114,15 +63,20 @@ bool give(const BagMessage& message, MotionSubscriber* subscriber) {
 
 }  // namespace
 
-boost::program_options::options_description motionTopicOptions(MotionTopics* topics) {
-  namespace po = boost::program_options;
+po::options_description motionTopicOptions(NamedTopics* topics) {
   po::options_description options("Topics (default: found by their types; 'none' leaves one out)");
-  options.add_options()                                                             //
-      ("imu-topic", po::value(&topics->imu), "sensor_msgs/Imu")                     //
-      ("odom-topic", po::value(&topics->odom), "nav_msgs/Odometry")                 //
-      ("gps-vel-topic", po::value(&topics->gps_vel), "geometry_msgs/TwistStamped")  //
-      ("gps-fix-topic", po::value(&topics->gps_fix), "sensor_msgs/NavSatFix")       //
-      ("mag-topic", po::value(&topics->mag), "sensor_msgs/MagneticField");
+  const auto add = [&](const char* name, std::optional<std::string>* target, const char* type) {
+    options.add_options()(
+        name,
+        po::value<std::string>()->value_name("TOPIC")->notifier(
+            [target](const std::string& topic) { *target = topic == "none" ? "" : topic; }),
+        type);
+  };
+  add("imu-topic", &topics->imu, "sensor_msgs/Imu");
+  add("odom-topic", &topics->odom, "nav_msgs/Odometry");
+  add("gps-vel-topic", &topics->gps_vel, "geometry_msgs/TwistStamped");
+  add("gps-fix-topic", &topics->gps_fix, "sensor_msgs/NavSatFix");
+  add("mag-topic", &topics->mag, "sensor_msgs/MagneticField");
   return options;
 }
 
@@ -133,16 +87,6 @@ boost::program_options::options_description motionOptions(MotionConfig* config) 
                           parameterHelp(parameter).c_str());
   });
   return options;
-}
-
-MotionTopics chooseMotionTopics(const BagReader& bag, MotionTopics topics) {
-  const auto by_type = topicsByType(bag);
-  choose(by_type, "sensor_msgs/Imu", &topics.imu);
-  choose(by_type, "nav_msgs/Odometry", &topics.odom);
-  choose(by_type, "geometry_msgs/TwistStamped", &topics.gps_vel);
-  choose(by_type, "sensor_msgs/NavSatFix", &topics.gps_fix);
-  choose(by_type, "sensor_msgs/MagneticField", &topics.mag);
-  return topics;
 }
 
 bool feedMotion(const BagMessage& message, const MotionTopics& topics,

@@ -11,25 +11,17 @@
 #include "adaptive_grid_stereo/guidance/motion.h"
 #include "adaptive_grid_stereo/ros/motion_subscriber.h"
 #include "bag_reader.h"
+#include "bag_topics.h"
 
 namespace adaptive_grid_stereo {
 
-/// Topics of a bag that carry motion; empty: none.
-struct MotionTopics {
-  std::string imu, odom, gps_vel, gps_fix, mag;
-};
-
-/// Options --imu-topic, --odom-topic, --gps-vel-topic, --gps-fix-topic, --mag-topic for `topics`.
-boost::program_options::options_description motionTopicOptions(MotionTopics* topics);
+/// Options --imu-topic, --odom-topic, --gps-vel-topic, --gps-fix-topic, --mag-topic for `topics`;
+/// 'none' leaves a source out.
+boost::program_options::options_description motionTopicOptions(NamedTopics* topics);
 
 /// One option per parameter of the motion estimate, as matcherOptions() has them for the matcher;
 /// --camera-rpy takes "roll,pitch,yaw".
 boost::program_options::options_description motionOptions(MotionConfig* config);
-
-/// Fills in what is empty by the messages' types: of several topics of one type, the one that the
-/// flight stacks offer as the better (an Imu with orientation before a raw one, odometry of the
-/// body before that of the GPS), else the one with the most messages. "none" leaves a source out.
-MotionTopics chooseMotionTopics(const BagReader& bag, MotionTopics topics);
 
 /// Gives a message to the subscriber if it stands on one of the topics, or on /tf or /tf_static.
 /// Returns whether it did. Throws std::runtime_error if the message is damaged.

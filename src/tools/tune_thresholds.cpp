@@ -30,7 +30,7 @@ struct Options {
   std::string optical_frame;
   double calm = 20.0;
   bool force = false;
-  MotionTopics topics;
+  NamedTopics topics;
   MotionConfig motion;
   GuidanceConfig guidance;
 };
@@ -40,7 +40,10 @@ std::vector<MotionPoint> readMotion(const Options& options, const MotionConfig& 
   BagReader bag(options.bag);
   MotionSubscriber subscriber(config);
   MotionReplay replay;
-  replay.topics = chooseMotionTopics(bag, options.topics);
+  std::vector<std::string> notes;
+  replay.topics = chooseMotionTopics(bag.connections(), options.topics, &notes);
+  // The bag is read twice; its doubts are said once.
+  if (sources != nullptr) reportCorrections(kTool, notes);
   replay.optical_frame = options.optical_frame;
   replay.rate = kRate;
   std::vector<MotionPoint> points;

@@ -21,6 +21,13 @@ std::string dataFile(const std::string& name) {
   return std::string(data != nullptr ? data : AGS_DEFAULT_DATA) + "/bags/" + name;
 }
 
+MotionTopics topicsOf(const BagReader& bag) {
+  std::vector<std::string> notes;
+  const MotionTopics topics = chooseMotionTopics(bag.connections(), NamedTopics(), &notes);
+  EXPECT_TRUE(notes.empty()) << notes.front();
+  return topics;
+}
+
 struct Answer {
   double time;  // since the log's start [s]
   Motion motion;
@@ -110,7 +117,7 @@ class FlightLogTest : public testing::Test {
     std::vector<Answer> answers;
     MotionReplay replay;
     replay.optical_frame = frame;
-    replay.topics = chooseMotionTopics(*bag_, MotionTopics());
+    replay.topics = topicsOf(*bag_);
     const std::string imu_topic = replay.topics.imu;
     if (edit) {
       replay.topics.imu = "given below";
@@ -334,7 +341,7 @@ TEST_F(FlightLogTest, JustInTimeAndWithDroppedFramesTheStatesAreTheSame) {
   for (const std::size_t every : {1u, 3u, 10u}) {
     MotionSubscriber subscriber((MotionConfig()));
     FlightStateMachine machine;
-    const MotionTopics topics = chooseMotionTopics(*bag_, MotionTopics());
+    const MotionTopics topics = topicsOf(*bag_);
     bag_->rewind();
     BagMessage message;
     bool more = bag_->next(&message);
@@ -363,7 +370,7 @@ TEST(RoverLogTest, OdometryFixesAndBothAgree) {
     MotionSubscriber subscriber(config);
     MotionReplay replay;
     replay.rate = 10.0;
-    replay.topics = chooseMotionTopics(bag, MotionTopics());
+    replay.topics = topicsOf(bag);
     std::vector<Motion> result;
     replayMotion(&bag, replay, &subscriber,
                  [&](double, const Motion& motion) { result.push_back(motion); });

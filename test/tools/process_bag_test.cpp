@@ -39,8 +39,8 @@ TEST(BagTopics, TheOnlyPairAndSensorsAreFound) {
   const BagTopics found = chooseTopics(connections(topics), NamedTopics(), &notes);
   EXPECT_EQ(found.left_image, "/stereo/left/image_raw");
   EXPECT_EQ(found.right_info, "/stereo/right/camera_info");
-  EXPECT_EQ(found.imu, "/mavros/imu/data");
-  EXPECT_EQ(found.odom, "");
+  EXPECT_EQ(found.motion.imu, "/mavros/imu/data");
+  EXPECT_EQ(found.motion.odom, "");
   EXPECT_TRUE(notes.empty());
   EXPECT_EQ(outputNamespace(found.left_image), "/stereo");
   EXPECT_EQ(outputNamespace("/left/image_rect"), "");
@@ -61,12 +61,12 @@ TEST(BagTopics, DoubtsAreSaid) {
   topics.emplace_back("/a", "sensor_msgs/Imu");
   topics.emplace_back("/b", "sensor_msgs/Imu");
   std::vector<std::string> notes;
-  EXPECT_EQ(chooseTopics(connections(topics), NamedTopics(), &notes).imu, "");
+  EXPECT_EQ(chooseTopics(connections(topics), NamedTopics(), &notes).motion.imu, "");
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("--imu"), std::string::npos);
   NamedTopics named;
   named.imu = "/b";
-  EXPECT_EQ(chooseTopics(connections(topics), named, &notes).imu, "/b");
+  EXPECT_EQ(chooseTopics(connections(topics), named, &notes).motion.imu, "/b");
   named.imu = "/stereo/left/image_raw";
   EXPECT_NE(messageOf([&] {
               chooseTopics(connections(topics), named, &notes);
@@ -80,6 +80,47 @@ TEST(BagTopics, DoubtsAreSaid) {
             std::string::npos);
   EXPECT_NE(messageOf([&] { chooseTopics({}, NamedTopics(), &notes); }).find("no stereo pair"),
             std::string::npos);
+}
+
+MotionTopics motionTopics(const std::vector<std::pair<std::string, std::string>>& topics) {
+  std::vector<std::string> notes;
+  const MotionTopics found = chooseMotionTopics(connections(topics), NamedTopics(), &notes);
+  EXPECT_TRUE(notes.empty()) << notes.front();
+  return found;
+}
+
+TEST(BagTopics, WhatIsCommandedOrSimulatedIsNoSensor) {
+  const char kTwist[] = "geometry_msgs/TwistStamped", kOdometry[] = "nav_msgs/Odometry";
+  for (const char* topic :
+       {"/mavros/setpoint_velocity/cmd_vel", "/uav/cmd_vel", "/uav/DesiredVelocity",
+        "/mavros/target_velocity", "/gazebo/GroundTruth/twist"}) {
+    EXPECT_EQ(motionTopics({{topic, kTwist}}).gps_vel, "") << topic;
+    EXPECT_EQ(motionTopics({{topic, kTwist}, {"/gps/vel", kTwist}}).gps_vel, "/gps/vel") << topic;
+  }
+  EXPECT_EQ(motionTopics({{"/uav/ground_truth/odom", kOdometry}}).odom, "");
+  NamedTopics named;
+  named.odom = "/uav/ground_truth/odom";
+  std::vector<std::string> notes;
+  EXPECT_EQ(chooseMotionTopics(connections({{*named.odom, kOdometry}}), named, &notes).odom,
+            *named.odom);
+}
+
+TEST(BagTopics, TheBetterSourceOfAFlightStackIsTaken) {
+  const MotionTopics found =
+      motionTopics({{"/mavros/imu/data", "sensor_msgs/Imu"},
+                    {"/mavros/imu/data_raw", "sensor_msgs/Imu"},
+                    {"/mavros/global_position/local", "nav_msgs/Odometry"},
+                    {"/mavros/local_position/odom", "nav_msgs/Odometry"},
+                    {"/mavros/odometry/in", "nav_msgs/Odometry"},
+                    {"/mavros/global_position/raw/gps_vel", "geometry_msgs/TwistStamped"},
+                    {"/mavros/local_position/velocity_local", "geometry_msgs/TwistStamped"},
+                    {"/mavros/setpoint_velocity/cmd_vel", "geometry_msgs/TwistStamped"},
+                    {"/mavros/global_position/global", "sensor_msgs/NavSatFix"},
+                    {"/mavros/global_position/raw/fix", "sensor_msgs/NavSatFix"}});
+  EXPECT_EQ(found.imu, "/mavros/imu/data");
+  EXPECT_EQ(found.odom, "/mavros/local_position/odom");
+  EXPECT_EQ(found.gps_vel, "/mavros/global_position/raw/gps_vel");
+  EXPECT_EQ(found.gps_fix, "/mavros/global_position/raw/fix");
 }
 
 template <typename Message>
