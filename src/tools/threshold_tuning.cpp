@@ -13,7 +13,11 @@ namespace adaptive_grid_stereo {
 namespace {
 
 constexpr int kWidth = 900, kHeight = 600;  // [px], any size whose cells are not coarse
-constexpr double kSmallestMaxRate = 0.1;    // [rad/s]
+/// A threshold sigma * max_rate below this [rad/s] is no turn, but the wobble of a calm flight.
+constexpr double kSmallestThreshold = 0.1;
+/// Half of it is that threshold, so that there are sigmas left to choose from [rad/s].
+constexpr double kSmallestMaxRate = 2.0 * kSmallestThreshold;
+constexpr double kSigmaStep = 0.05, kLargestSigma = 0.9;
 
 Motion motionOf(const MotionPoint& point) {
   Motion motion;
@@ -34,19 +38,77 @@ double* shareOf(const FlightState& state, TuningRow* row) {
 
 double roundUp(double value, double step) { return std::ceil(value / step - 1e-9) * step; }
 
-std::string sentence(const char* format, double a, double b, double c = 0.0) {
+template <typename... Values>
+std::string sentence(const char* format, Values... values) {
   char text[256];
-  std::snprintf(text, sizeof(text), format, a, b, c);
+  std::snprintf(text, sizeof(text), format, values...);
   return text;
 }
 
-/// The smallest of the sigmas that is calm enough, else the calmest; `changes` per minute of each.
-std::size_t calmest(const std::vector<double>& changes, double calm) {
-  for (std::size_t i = 0; i < changes.size(); ++i) {
-    if (changes[i] <= calm) return i;
+/// One of the two turns: its parameters, and the changes that they cause.
+struct Axis {
+  const char* verb;
+  const char* max_rate_name;
+  const char* sigma_name;
+  double GuidanceConfig::*max_rate;
+  double GuidanceConfig::*sigma;
+  double TuningRow::*changes;
+};
+constexpr Axis kYaw = {"turns",
+                       "max_yaw_rate",
+                       "sigma1",
+                       &GuidanceConfig::max_yaw_rate,
+                       &GuidanceConfig::sigma1,
+                       &TuningRow::yaw_changes_per_minute};
+constexpr Axis kPitch = {"pitches",
+                         "max_pitch_rate",
+                         "sigma2",
+                         &GuidanceConfig::max_pitch_rate,
+                         &GuidanceConfig::sigma2,
+                         &TuningRow::pitch_changes_per_minute};
+
+/// Chooses the axis' parameters by the absolute rates of the flight; leaves the given ones where
+/// no threshold is calm.
+void adviseAxis(const std::vector<MotionPoint>& points, const Axis& axis,
+                const std::vector<double>& rates, double calm, TuningAdvice* advice) {
+  const double reached = quantile(rates, 0.99);
+  GuidanceConfig trial = advice->config;
+  const double max_rate = std::max(kSmallestMaxRate, roundUp(reached, 0.05));
+  trial.*axis.max_rate = max_rate;
+  for (int step = 2; kSigmaStep * step < kLargestSigma + 1e-9; ++step) {
+    const double sigma = kSigmaStep * step;
+    if (sigma * max_rate < kSmallestThreshold - 1e-9) continue;
+    trial.*axis.sigma = sigma;
+    const double changes = tuneAt(points, trial).*axis.changes;
+    if (changes > calm) continue;
+    advice->config = trial;
+    advice->reasons.push_back(axis.max_rate_name +
+                              sentence(" %.2f: 99 %% of the flight %s slower than %.2f rad/s",
+                                       max_rate, axis.verb, reached));
+    advice->reasons.push_back(
+        axis.sigma_name + sentence(" %.2f: the smallest from %.1f rad/s on with no more than one "
+                                   "change of side in a few seconds (%.1f a minute)",
+                                   sigma, kSmallestThreshold, changes));
+    return;
   }
-  return static_cast<std::size_t>(std::min_element(changes.begin(), changes.end()) -
-                                  changes.begin());
+  advice->reasons.push_back(
+      std::string(axis.max_rate_name) + " and " + axis.sigma_name +
+      sentence(
+          ": as given, since with each threshold from %.2f to %.2f rad/s the side changes more "
+          "than %.1f times a minute; a larger rate_filter_time may calm it",
+          kSmallestThreshold, kLargestSigma * max_rate, calm));
+}
+
+/// Says so if the advice makes the state change more often than the given parameters do.
+void compareWithGiven(const std::vector<MotionPoint>& points, const GuidanceConfig& given,
+                      TuningAdvice* advice) {
+  const double before = tuneAt(points, given).changes_per_minute;
+  const double after = tuneAt(points, advice->config).changes_per_minute;
+  if (after <= before) return;
+  advice->reasons.push_back(
+      sentence("the state changes more often than with the parameters given, %.1f against %.1f "
+               "times a minute; keep those, or give a smaller --calm, if that is too often",
+               after, before));
 }
 
 }  // namespace
@@ -124,40 +186,12 @@ TuningAdvice adviseThresholds(const std::vector<MotionPoint>& points, const Guid
   TuningAdvice advice;
   advice.config = config;
   const double speed = quantile(speeds, 0.99);
-  const double yaw = quantile(yaw_rates, 0.99), pitch = quantile(pitch_rates, 0.99);
   advice.config.max_speed = roundUp(speed, 0.5);
-  advice.config.max_yaw_rate = std::max(kSmallestMaxRate, roundUp(yaw, 0.05));
-  advice.config.max_pitch_rate = std::max(kSmallestMaxRate, roundUp(pitch, 0.05));
   advice.reasons.push_back(sentence("max_speed %.1f: 99 %% of the flight is slower than %.1f m/s",
                                     advice.config.max_speed, speed));
-  advice.reasons.push_back(
-      sentence("max_yaw_rate %.2f: 99 %% of the flight turns slower than %.2f rad/s",
-               advice.config.max_yaw_rate, yaw));
-  advice.reasons.push_back(
-      sentence("max_pitch_rate %.2f: 99 %% of the flight pitches slower than %.2f rad/s",
-               advice.config.max_pitch_rate, pitch));
-
-  std::vector<double> sigmas, yaw_changes, pitch_changes;
-  GuidanceConfig trial = advice.config;
-  for (double sigma = 0.1; sigma < 0.91; sigma += 0.05) {
-    trial.sigma1 = trial.sigma2 = sigma;
-    const TuningRow row = tuneAt(points, trial);
-    sigmas.push_back(sigma);
-    yaw_changes.push_back(row.yaw_changes_per_minute);
-    pitch_changes.push_back(row.pitch_changes_per_minute);
-  }
-  const std::size_t i = calmest(yaw_changes, calm), j = calmest(pitch_changes, calm);
-  advice.config.sigma1 = sigmas[i];
-  advice.config.sigma2 = sigmas[j];
-  const char* calm_enough =
-      "sigma%.0f %.2f: the smallest with no more than "
-      "one change of side in a few seconds (%.1f a minute)";
-  const char* calmest_there =
-      "sigma%.0f %.2f: none is calm, this one changes the least (%.1f a minute)";
-  advice.reasons.push_back(sentence(yaw_changes[i] <= calm ? calm_enough : calmest_there, 1.0,
-                                    sigmas[i], yaw_changes[i]));
-  advice.reasons.push_back(sentence(pitch_changes[j] <= calm ? calm_enough : calmest_there, 2.0,
-                                    sigmas[j], pitch_changes[j]));
+  adviseAxis(points, kYaw, yaw_rates, calm, &advice);
+  adviseAxis(points, kPitch, pitch_rates, calm, &advice);
+  compareWithGiven(points, config, &advice);
   return advice;
 }
 

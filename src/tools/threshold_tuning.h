@@ -41,7 +41,9 @@ struct TuningAdvice {
 
 /// max_speed, max_yaw_rate and max_pitch_rate from what was reached in flight (99th percentile),
 /// then the smallest sigmas with which YAW and PITCH change no more than `calm` times a minute
-/// each. Throws std::runtime_error if the aircraft never flies in the log.
+/// each, and whose thresholds sigma * max_rate are no less than 0.1 rad/s. Where there are none,
+/// the rate and the sigma of that side stay as given. A last sentence says so if the state changes
+/// more often than with `config`. Throws std::runtime_error if the aircraft never flies in the log.
 TuningAdvice adviseThresholds(const std::vector<MotionPoint>& points, const GuidanceConfig& config,
                               double calm = 20.0);
 

@@ -57,7 +57,7 @@ TEST(ThresholdTuningTest, AdviceComesFromTheFlight) {
   const TuningAdvice advice = adviseThresholds(flight(), config());
   EXPECT_DOUBLE_EQ(advice.config.max_speed, 16.5);
   EXPECT_NEAR(advice.config.max_yaw_rate, 0.5, 1e-9);
-  EXPECT_NEAR(advice.config.max_pitch_rate, 0.1, 1e-9) << "no less than is sensible";
+  EXPECT_NEAR(advice.config.max_pitch_rate, 0.2, 1e-9) << "no less than is sensible";
   EXPECT_EQ(advice.reasons.size(), 5u);
   EXPECT_TRUE(GuidanceConfig(advice.config).validate().empty());
 }
@@ -73,6 +73,45 @@ TEST(ThresholdTuningTest, PicksTheSmallestSigmaThatIsCalm) {
   EXPECT_NEAR(advice.config.max_yaw_rate, 1.0, 1e-9);
   EXPECT_GE(advice.config.sigma1, 0.2);
   EXPECT_LE(advice.config.sigma1, 0.26);
+}
+
+/// A flight straight on, whose pitch swings by `rate` [rad/s], `swings` times a minute.
+std::vector<MotionPoint> swinging(double rate, double swings) {
+  std::vector<MotionPoint> points = flight();
+  for (MotionPoint& point : points) {
+    point.yaw_rate = 0.0;
+    point.pitch_rate = rate * std::sin(2.0 * M_PI * swings / 60.0 * (point.stamp - 100.0));
+  }
+  return points;
+}
+
+TEST(ThresholdTuningTest, TheWobbleOfACalmFlightIsNoTurn) {
+  const TuningAdvice advice = adviseThresholds(swinging(0.05, 5.0), config(), 20.0);
+  EXPECT_GE(advice.config.sigma1 * advice.config.max_yaw_rate, 0.1 - 1e-9);
+  EXPECT_GE(advice.config.sigma2 * advice.config.max_pitch_rate, 0.1 - 1e-9);
+  EXPECT_EQ(tuneAt(swinging(0.05, 5.0), advice.config).pitch, 0.0);
+}
+
+TEST(ThresholdTuningTest, WhereNothingIsCalmTheGivenParametersStay) {
+  // Each swing crosses even the largest sigma up and down, four changes.
+  const auto points = swinging(1.0, 30.0);
+  GuidanceConfig given = config();
+  given.max_pitch_rate = 3.0;
+  const TuningAdvice advice = adviseThresholds(points, given, 20.0);
+  EXPECT_EQ(advice.config.max_pitch_rate, given.max_pitch_rate);
+  EXPECT_EQ(advice.config.sigma2, given.sigma2);
+  EXPECT_NE(advice.reasons.back().find("max_pitch_rate and sigma2: as given"), std::string::npos)
+      << advice.reasons.back();
+}
+
+TEST(ThresholdTuningTest, MoreChangesThanWithTheGivenParametersAreSaid) {
+  const auto points = swinging(0.2, 4.0);  // below the given threshold of 0.24 rad/s
+  const TuningAdvice advice = adviseThresholds(points, config(), 20.0);
+  EXPECT_GT(tuneAt(points, advice.config).changes_per_minute,
+            tuneAt(points, config()).changes_per_minute);
+  EXPECT_NE(advice.reasons.back().find("more often than with the parameters given"),
+            std::string::npos)
+      << advice.reasons.back();
 }
 
 TEST(ThresholdTuningTest, NothingToTuneByIsSaid) {
