@@ -16,15 +16,10 @@ constexpr const char* kTool = "bag_check";
 struct Options {
   std::string bag;
   std::string optical_frame;
-  std::string left_image, right_image, left_info, right_info;
   double baseline = 0.0;
   NamedTopics topics;
   MotionConfig motion;
 };
-
-std::optional<std::string> named(const std::string& topic) {
-  return topic.empty() ? std::nullopt : std::optional<std::string>(topic);
-}
 
 void addMotionFindings(BagReader* bag, const Options& options, std::vector<Finding>* findings) {
   std::vector<std::string> notes;
@@ -43,12 +38,7 @@ int run(const Options& options) {
   if (bag.messageCount() == 0) {
     findings.push_back({Verdict::kError, "bag", "it holds no messages"});
   } else {
-    NamedTopics topics;
-    topics.left_image = named(options.left_image);
-    topics.right_image = named(options.right_image);
-    topics.left_info = named(options.left_info);
-    topics.right_info = named(options.right_info);
-    findings = checkImages(&bag, topics, options.baseline);
+    findings = checkImages(&bag, options.topics, options.baseline);
     addMotionFindings(&bag, options, &findings);
   }
   if (!bag.damage().empty()) findings.push_back({Verdict::kError, "bag", bag.damage()});
@@ -75,12 +65,10 @@ int parseAndRun(int argc, const char* const* argv) {
       ("optical-frame", po::value(&options.optical_frame),
        "frame of the left camera, where the bag holds its TF")  //
       ("baseline", po::value(&options.baseline)->default_value(0.0),
-       "as the node's parameter [m]; 0: by camera_info")                            //
-      ("left-image-topic", po::value(&options.left_image), "sensor_msgs/Image")     //
-      ("right-image-topic", po::value(&options.right_image), "sensor_msgs/Image")   //
-      ("left-info-topic", po::value(&options.left_info), "sensor_msgs/CameraInfo")  //
-      ("right-info-topic", po::value(&options.right_info), "sensor_msgs/CameraInfo");
-  own.add(motionTopicOptions(&options.topics)).add(motionOptions(&options.motion));
+       "as the node's parameter [m]; 0: by camera_info");
+  own.add(imageTopicOptions(&options.topics))
+      .add(motionTopicOptions(&options.topics))
+      .add(motionOptions(&options.motion));
   const ToolHelp help = {
       kTool, "BAG [options]",
       "Checks stereo pairs, calibration and motion of a recording, and whether the declared axes "

@@ -10,6 +10,8 @@
 namespace adaptive_grid_stereo {
 namespace {
 
+namespace po = boost::program_options;
+
 using TypeOf = std::map<std::string, std::string>;  // topic -> type
 
 const char kImage[] = "sensor_msgs/Image";
@@ -184,7 +186,36 @@ TypeOf typesOf(const std::vector<BagConnection>& connections) {
   return types;
 }
 
+void addTopicOption(const std::string& name, const char* help, std::optional<std::string>* target,
+                    po::options_description* options) {
+  // The second name is understood, but not shown.
+  const std::string names = name + "," + name + "-topic";
+  const auto store = [target](const std::string& topic) { *target = topic == "none" ? "" : topic; };
+  options->add_options()(names.c_str(),
+                         po::value<std::string>()->value_name("TOPIC")->notifier(store), help);
+}
+
 }  // namespace
+
+po::options_description imageTopicOptions(NamedTopics* topics) {
+  po::options_description options("image topics (found by name if not given)");
+  addTopicOption("left-image", "left images, rectified or raw", &topics->left_image, &options);
+  addTopicOption("right-image", "right images", &topics->right_image, &options);
+  addTopicOption("left-info", "left camera_info", &topics->left_info, &options);
+  addTopicOption("right-info", "right camera_info", &topics->right_info, &options);
+  return options;
+}
+
+po::options_description motionTopicOptions(NamedTopics* topics) {
+  po::options_description options(
+      "motion topics (found by type and name if not given; none or '' for none)");
+  addTopicOption("imu", "sensor_msgs/Imu", &topics->imu, &options);
+  addTopicOption("odom", "nav_msgs/Odometry", &topics->odom, &options);
+  addTopicOption("gps-vel", "geometry_msgs/TwistStamped", &topics->gps_vel, &options);
+  addTopicOption("gps-fix", "sensor_msgs/NavSatFix", &topics->gps_fix, &options);
+  addTopicOption("mag", "sensor_msgs/MagneticField", &topics->mag, &options);
+  return options;
+}
 
 BagTopics chooseImageTopics(const std::vector<BagConnection>& connections,
                             const NamedTopics& named) {

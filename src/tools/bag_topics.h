@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <boost/program_options.hpp>
+
 #include "bag_reader.h"
 
 namespace adaptive_grid_stereo {
@@ -28,6 +30,13 @@ struct NamedTopics {
   std::optional<std::string> left_image, right_image, left_info, right_info;
   std::optional<std::string> imu, odom, gps_vel, gps_fix, mag;
 };
+
+/// Options --left-image, --right-image, --left-info, --right-info, and --imu, --odom, --gps-vel,
+/// --gps-fix, --mag, the same ones in every tool. Those that name a source of motion take '' or
+/// none for no topic; with -topic behind it, as in --imu-topic, each is understood, too. `topics`
+/// must outlive the parsing.
+boost::program_options::options_description imageTopicOptions(NamedTopics* topics);
+boost::program_options::options_description motionTopicOptions(NamedTopics* topics);
 
 /// Finds the stereo pair (two image topics whose names differ only as left and right do, rectified
 /// ones first) and its camera_infos; `motion` stays empty. Throws std::runtime_error, listing the

@@ -1,7 +1,6 @@
 #include "motion_log.h"
 
 #include <cmath>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -62,23 +61,6 @@ bool give(const BagMessage& message, MotionSubscriber* subscriber) {
 }
 
 }  // namespace
-
-po::options_description motionTopicOptions(NamedTopics* topics) {
-  po::options_description options("Topics (default: found by their types; 'none' leaves one out)");
-  const auto add = [&](const char* name, std::optional<std::string>* target, const char* type) {
-    options.add_options()(
-        name,
-        po::value<std::string>()->value_name("TOPIC")->notifier(
-            [target](const std::string& topic) { *target = topic == "none" ? "" : topic; }),
-        type);
-  };
-  add("imu-topic", &topics->imu, "sensor_msgs/Imu");
-  add("odom-topic", &topics->odom, "nav_msgs/Odometry");
-  add("gps-vel-topic", &topics->gps_vel, "geometry_msgs/TwistStamped");
-  add("gps-fix-topic", &topics->gps_fix, "sensor_msgs/NavSatFix");
-  add("mag-topic", &topics->mag, "sensor_msgs/MagneticField");
-  return options;
-}
 
 boost::program_options::options_description motionOptions(MotionConfig* config) {
   boost::program_options::options_description options("motion parameters");

@@ -15,10 +15,6 @@
 
 namespace adaptive_grid_stereo {
 
-/// Options --imu-topic, --odom-topic, --gps-vel-topic, --gps-fix-topic, --mag-topic for `topics`;
-/// 'none' leaves a source out.
-boost::program_options::options_description motionTopicOptions(NamedTopics* topics);
-
 /// One option per parameter of the motion estimate, as matcherOptions() has them for the matcher;
 /// --camera-rpy takes "roll,pitch,yaw".
 boost::program_options::options_description motionOptions(MotionConfig* config);

@@ -40,28 +40,6 @@ struct Options {
   bool force = false;
 };
 
-using OptionalName = std::optional<std::string>;
-
-po::options_description topicOptions(Options* o) {
-  po::options_description options("topics (found by type and name if not given; '' for none)");
-  const auto add = [&](const char* name, OptionalName* target, const char* help) {
-    options.add_options()(name,
-                          po::value<std::string>()->value_name("TOPIC")->notifier(
-                              [target](const std::string& topic) { *target = topic; }),
-                          help);
-  };
-  add("left-image", &o->topics.left_image, "left images, rectified or raw");
-  add("right-image", &o->topics.right_image, "right images");
-  add("left-info", &o->topics.left_info, "left camera_info");
-  add("right-info", &o->topics.right_info, "right camera_info");
-  add("imu", &o->topics.imu, "sensor_msgs/Imu");
-  add("odom", &o->topics.odom, "nav_msgs/Odometry");
-  add("gps-vel", &o->topics.gps_vel, "geometry_msgs/TwistStamped");
-  add("gps-fix", &o->topics.gps_fix, "sensor_msgs/NavSatFix");
-  add("mag", &o->topics.mag, "sensor_msgs/MagneticField");
-  return options;
-}
-
 po::options_description outputOptions(Options* o) {
   po::options_description options("output");
   options.add_options()("output", po::value(&o->output)->value_name("OUT.bag"),
@@ -118,7 +96,9 @@ bool readOptions(int argc, char** argv, Options* o) {
                       "  process_bag raw.bag --output all.bag --pass-through '.*' --depth --params "
                       "config/mavros.yaml\n"};
   po::options_description all;
-  all.add(outputOptions(o)).add(inputOptions(o)).add(topicOptions(o)).add(parameterOptions(o));
+  all.add(outputOptions(o)).add(inputOptions(o));
+  all.add(imageTopicOptions(&o->topics)).add(motionTopicOptions(&o->topics));
+  all.add(parameterOptions(o));
   po::variables_map values;
   if (!parseCommandLine(argc, argv, help, all, {"input"}, &values)) return false;
   if (values.count("input") == 0)

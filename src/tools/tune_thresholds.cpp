@@ -60,8 +60,7 @@ std::vector<MotionPoint> readMotion(const Options& options, const MotionConfig& 
   });
   if (speed_source.empty()) {
     throw std::runtime_error(options.bag + ": the motion is never known: " + reason +
-                             "; name the topics with --odom-topic, --imu-topic, --gps-vel-topic, "
-                             "--gps-fix-topic");
+                             "; name the topics with --odom, --imu, --gps-vel, --gps-fix");
   }
   if (sources != nullptr) *sources = "speed from " + speed_source + ", rates from " + rate_source;
   return points;

@@ -7,6 +7,7 @@ Parts that need the public data sets are skipped, saying so, where they are abse
 """
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -66,24 +67,29 @@ def textured(width, height, shift):
     return texture[:, :width], texture[:, shift:shift + width]
 
 
-def write_bag(path, frames, distorted=False):
+def write_bag(path, frames, distorted=False, rigs=('/rig',)):
     left, right = textured(96, 64, 6)
     with rosbag.Bag(path, 'w', compression='lz4', chunk_threshold=20000) as bag:
-        for i in range(frames):
-            stamp = rospy.Time(100 + i, 0)
-            for side, image, offset in (('left', left, 0.0), ('right', right, -8.0)):
-                message = Image(width=96, height=64, step=96, encoding='mono8',
-                                data=image.tobytes())
-                info = CameraInfo(width=96, height=64, distortion_model='plumb_bob',
-                                  D=[0.01 if distorted else 0.0, 0, 0, 0, 0],
-                                  K=[80, 0, 48, 0, 80, 32, 0, 0, 1], R=[1, 0, 0, 0, 1, 0, 0, 0, 1],
-                                  P=[80, 0, 48, offset, 0, 80, 32, 0, 0, 0, 1, 0])
-                for m in (message, info):
-                    m.header.stamp = stamp
-                    m.header.frame_id = 'left_optical'
-                kind = 'image_raw' if distorted else 'image_rect'
-                bag.write('/rig/%s/%s' % (side, kind), message, stamp)
-                bag.write('/rig/%s/camera_info' % side, info, stamp)
+        for rig in rigs:
+            write_rig(bag, rig, frames, distorted, left, right)
+
+
+def write_rig(bag, rig, frames, distorted, left, right):
+    for i in range(frames):
+        stamp = rospy.Time(100 + i, 0)
+        for side, image, offset in (('left', left, 0.0), ('right', right, -8.0)):
+            message = Image(width=96, height=64, step=96, encoding='mono8',
+                            data=image.tobytes())
+            info = CameraInfo(width=96, height=64, distortion_model='plumb_bob',
+                              D=[0.01 if distorted else 0.0, 0, 0, 0, 0],
+                              K=[80, 0, 48, 0, 80, 32, 0, 0, 1], R=[1, 0, 0, 0, 1, 0, 0, 0, 1],
+                              P=[80, 0, 48, offset, 0, 80, 32, 0, 0, 0, 1, 0])
+            for m in (message, info):
+                m.header.stamp = stamp
+                m.header.frame_id = 'left_optical'
+            kind = 'image_raw' if distorted else 'image_rect'
+            bag.write('%s/%s/%s' % (rig, side, kind), message, stamp)
+            bag.write('%s/%s/camera_info' % (rig, side), info, stamp)
 
 
 class Case(unittest.TestCase):
@@ -244,6 +250,23 @@ class Evaluate(Case):
         error = np.where(np.isfinite(disparity), np.abs(disparity - truth), np.inf)
         for bad in (1, 2, 3):
             self.assertAlmostEqual(score['bad_%.1f' % bad], 100.0 * (error > bad)[mask].mean(), 4)
+
+
+class BagCheck(Case):
+    def check(self, *arguments):
+        return run('bag_check', self.path('in.bag'), *arguments)[1]
+
+    def test_the_options_that_messages_name_are_understood(self):
+        write_bag(self.path('in.bag'), 3, rigs=('/a', '/b'))
+        for tool, extra in (('bag_check', ()), ('process_bag', ('--output', self.path('o.bag')))):
+            code, out, err = run(tool, self.path('in.bag'), *extra)
+            self.assertEqual(code, 1)
+            self.assertIn('several stereo pairs', out + err)
+            cure = re.search('by (--[a-z-]+) and (--[a-z-]+)', out + err)
+            code, out, err = run(tool, self.path('in.bag'), *extra, cure.group(1),
+                                 '/b/left/image_rect', cure.group(2), '/b/right/image_rect')
+            self.assertNotEqual(code, 2, err)
+            self.assertNotIn('several stereo pairs', out + err)
 
 
 class ProcessBag(Case):

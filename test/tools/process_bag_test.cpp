@@ -3,6 +3,7 @@
 
 #include "adaptive_grid_stereo/ros/stereo_pairing.h"
 #include "bag_topics.h"
+#include "command_line.h"
 #include "grid_state_csv.h"
 #include "rectifier.h"
 #include "temporary_folder.h"
@@ -121,6 +122,27 @@ TEST(BagTopics, TheBetterSourceOfAFlightStackIsTaken) {
   EXPECT_EQ(found.odom, "/mavros/local_position/odom");
   EXPECT_EQ(found.gps_vel, "/mavros/global_position/raw/gps_vel");
   EXPECT_EQ(found.gps_fix, "/mavros/global_position/raw/fix");
+}
+
+NamedTopics parseTopics(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "tool");
+  NamedTopics named;
+  boost::program_options::options_description options;
+  options.add(imageTopicOptions(&named)).add(motionTopicOptions(&named));
+  boost::program_options::variables_map values;
+  parseCommandLine(static_cast<int>(arguments.size()), arguments.data(), {"tool", "", "", ""},
+                   options, {}, &values);
+  return named;
+}
+
+TEST(BagTopics, OptionsNameTopics) {
+  EXPECT_EQ(parseTopics({"--left-image", "/a"}).left_image, "/a");
+  EXPECT_EQ(parseTopics({"--right-info-topic", "/b"}).right_info, "/b");
+  EXPECT_EQ(parseTopics({"--gps-vel", "/c"}).gps_vel, "/c");
+  EXPECT_EQ(parseTopics({"--gps-vel-topic", "/c"}).gps_vel, "/c");
+  EXPECT_EQ(parseTopics({"--imu", "none"}).imu, "");
+  EXPECT_EQ(parseTopics({"--imu", ""}).imu, "");
+  EXPECT_FALSE(parseTopics({}).imu.has_value());
 }
 
 template <typename Message>
