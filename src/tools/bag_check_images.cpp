@@ -17,13 +17,45 @@ constexpr double kPairLimit = 0.1;
 /// The largest difference that approximate_sync accepts by default [s].
 constexpr double kDefaultInterval = 0.02;
 
-/// The stereo messages of a bag; of the images only a few are kept whole.
+/// The stereo messages of a bag; of the images only two are kept whole.
 struct StereoContents {
   std::vector<double> left, right;                 // stamps [s]
   std::map<double, double> left_info, right_info;  // stamps
   std::vector<double> delays;                      // recorded after stamped [s], left
-  StereoPair sample;                               // the first complete one
+  StereoPair sample;  // the images nearest in time, and the first of each camera_info
 };
+
+/// The right image's stamp next to a left one's; the right images are not empty.
+double nearestRight(const StereoContents& contents, double stamp) {
+  const auto next = std::lower_bound(contents.right.begin(), contents.right.end(), stamp);
+  if (next == contents.right.begin()) return *next;
+  if (next == contents.right.end() || stamp - *(next - 1) < *next - stamp) return *(next - 1);
+  return *next;
+}
+
+/// Keeps the first of the pairs whose stamps differ the least: the first two images alone need not
+/// belong together, since recordings begin and end anywhere.
+void keepNearestPair(BagReader* bag, const BagTopics& topics, StereoContents* contents) {
+  if (contents->left.empty() || contents->right.empty()) return;
+  const auto difference = [&](double stamp) {
+    return std::abs(nearestRight(*contents, stamp) - stamp);
+  };
+  const double left =
+      *std::min_element(contents->left.begin(), contents->left.end(),
+                        [&](double a, double b) { return difference(a) < difference(b); });
+  const double right = nearestRight(*contents, left);
+  StereoPair& sample = contents->sample;
+  bag->rewind();
+  for (BagMessage message; (!sample.left || !sample.right) && bag->next(&message);) {
+    const std::string& topic = message.connection->topic;
+    if (topic != topics.left_image && topic != topics.right_image) continue;
+    const bool is_left = topic == topics.left_image;
+    const auto image = deserialize<sensor_msgs::Image>(message);
+    if (image->header.stamp.toSec() == (is_left ? left : right)) {
+      (is_left ? sample.left : sample.right) = image;
+    }
+  }
+}
 
 StereoContents readStereo(BagReader* bag, const BagTopics& topics) {
   StereoContents contents;
@@ -35,8 +67,6 @@ StereoContents readStereo(BagReader* bag, const BagTopics& topics) {
       const auto image = deserialize<sensor_msgs::Image>(message);
       const bool left = topic == topics.left_image;
       (left ? contents.left : contents.right).push_back(stampOf(image->header));
-      auto& kept = left ? contents.sample.left : contents.sample.right;
-      if (!kept) kept = image;
       if (left) contents.delays.push_back(secondsBetween(image->header.stamp, message.time));
     } else if (topic == topics.left_info || topic == topics.right_info) {
       const auto info = deserialize<sensor_msgs::CameraInfo>(message);
@@ -48,18 +78,17 @@ StereoContents readStereo(BagReader* bag, const BagTopics& topics) {
   }
   std::sort(contents.left.begin(), contents.left.end());
   std::sort(contents.right.begin(), contents.right.end());
+  keepNearestPair(bag, topics, &contents);
   return contents;
 }
 
 /// |left - nearest right| for each left image that has one near.
 std::vector<double> stampDifferences(const StereoContents& contents) {
   std::vector<double> result;
+  if (contents.right.empty()) return result;
   for (const double stamp : contents.left) {
-    const auto next = std::lower_bound(contents.right.begin(), contents.right.end(), stamp);
-    double nearest = kPairLimit;
-    if (next != contents.right.end()) nearest = std::min(nearest, *next - stamp);
-    if (next != contents.right.begin()) nearest = std::min(nearest, stamp - *(next - 1));
-    if (nearest < kPairLimit) result.push_back(nearest);
+    const double difference = std::abs(nearestRight(contents, stamp) - stamp);
+    if (difference < kPairLimit) result.push_back(difference);
   }
   return result;
 }
