@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "adaptive_grid_stereo/ros/input_check.h"
 #include "adaptive_grid_stereo/ros/stamps.h"
 #include "bag_check.h"
+#include "rectifier.h"
 #include "text_table.h"
 #include "threshold_tuning.h"
 
@@ -184,13 +186,12 @@ void calibrationFindings(const StereoPair& sample, const BagTopics& topics, doub
                            ", f " + fixed(verdict.geometry.focal_length, 1) + " px, baseline " +
                            fixed(verdict.geometry.baseline, 4) + " m (" +
                            verdict.geometry.baseline_source + ")"});
-  const auto distorted = [](const sensor_msgs::CameraInfo& info) {
-    return std::any_of(info.D.begin(), info.D.end(), [](double d) { return d != 0.0; });
-  };
-  const bool rectified = topics.left_image.find("rect") != std::string::npos;
-  if (!rectified && (distorted(*sample.left_info) || distorted(*sample.right_info))) {
+  for (const auto& [topic, info] : {std::make_pair(topics.left_image, sample.left_info),
+                                    std::make_pair(topics.right_image, sample.right_info)}) {
+    if (!needsRectification(topic, *info)) continue;
     findings->push_back({Verdict::kWarning, "rectification",
-                         topics.left_image + " is not rectified: run image_proc before the node"});
+                         topic + " is not rectified, its camera_info holds distortion or a "
+                                 "rotation: run image_proc before the node"});
   }
 }
 

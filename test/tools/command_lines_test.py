@@ -271,6 +271,22 @@ class BagCheck(Case):
         self.assertIn('OK     images and calibration', out)
         self.assertNotIn('WARN   calibration', out)
 
+    def test_raw_images_are_seen_by_their_calibration(self):
+        def direct(topic, message, time):
+            return topic.replace('/rig/', '/direct/'), message, time
+
+        def turned(topic, message, time):
+            if 'right/camera_info' in topic:
+                message.R = [1, 0, 0, 0, 0.8, -0.6, 0, 0.6, 0.8]
+            return topic.replace('_rect', '_raw'), message, time
+
+        out = self.check(direct, distorted=True)
+        self.assertIn('WARN   rectification: /direct/left/image_raw is not rectified', out)
+        out = self.check(turned)
+        self.assertIn('WARN   rectification: /rig/right/image_raw is not rectified', out)
+        self.assertNotIn('left/image_raw is not rectified', out)
+        self.assertNotIn('not rectified', self.check(lambda *entry: entry))
+
     def test_the_options_that_messages_name_are_understood(self):
         write_bag(self.path('in.bag'), 3, rigs=('/a', '/b'))
         for tool, extra in (('bag_check', ()), ('process_bag', ('--output', self.path('o.bag')))):
