@@ -204,8 +204,10 @@ std::vector<Finding> checkImages(BagReader* bag, const NamedTopics& named, doubl
     return connection.datatype == "sensor_msgs/Image";
   });
   if (!any) {
+    const std::string compressed = compressedImages(connections);
     return {{Verdict::kWarning, "stereo pairs",
-             "no sensor_msgs/Image in the bag: the motion alone is checked"}};
+             "no sensor_msgs/Image in the bag: the motion alone is checked" +
+                 (compressed.empty() ? "" : "; " + compressed)}};
   }
   BagTopics topics;
   try {

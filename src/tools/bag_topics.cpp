@@ -15,6 +15,7 @@ namespace po = boost::program_options;
 using TypeOf = std::map<std::string, std::string>;  // topic -> type
 
 const char kImage[] = "sensor_msgs/Image";
+const char kCompressed[] = "sensor_msgs/CompressedImage";
 const char kInfo[] = "sensor_msgs/CameraInfo";
 
 /// How left and right cameras are called.
@@ -59,6 +60,20 @@ std::vector<std::string> topicsOfType(const TypeOf& types, const std::string& ty
   return topics;
 }
 
+/// As compressedImages().
+std::string compressedCure(const TypeOf& types) {
+  const std::vector<std::string> topics = topicsOfType(types, kCompressed);
+  if (topics.empty()) return "";
+  // image_transport appends the last part itself.
+  const std::string& first = topics.front();
+  const std::string base = first.substr(0, first.rfind('/'));
+  const std::string transport = first.substr(first.rfind('/') + 1);
+  return "images of type " + std::string(kCompressed) + " are: " + listed(topics) +
+         "; make raw ones of them: play the bag, run for each 'rosrun image_transport republish " +
+         transport + " in:=" + base + " raw out:=" + base +
+         "', and record the result with 'rosbag record --all'";
+}
+
 void requireType(const TypeOf& types, const std::string& topic, const std::string& type) {
   const auto found = types.find(topic);
   if (found == types.end()) {
@@ -66,8 +81,9 @@ void requireType(const TypeOf& types, const std::string& topic, const std::strin
                              " are: " + listed(topicsOfType(types, type)));
   }
   if (found->second != type) {
-    throw std::runtime_error("topic " + topic + " is of type " + found->second + ", expected " +
-                             type);
+    throw std::runtime_error(
+        "topic " + topic + " is of type " + found->second + ", expected " + type +
+        (found->second == kCompressed && type == kImage ? "; " + compressedCure(types) : ""));
   }
 }
 
@@ -85,6 +101,11 @@ void findImages(const TypeOf& types, const NamedTopics& named, BagTopics* topics
       if (rankOf(topic) < best_rank) best.clear();
       best_rank = std::min(best_rank, rankOf(topic));
       if (rankOf(topic) == best_rank) best.push_back(topic);
+    }
+    if (best.empty() && !compressedCure(types).empty()) {
+      throw std::runtime_error("no stereo pair was found by name; topics of type " +
+                               std::string(kImage) + ": " + listed(topicsOfType(types, kImage)) +
+                               "; " + compressedCure(types));
     }
     if (best.size() != 1) {
       throw std::runtime_error(
@@ -249,6 +270,10 @@ BagTopics chooseTopics(const std::vector<BagConnection>& connections, const Name
   BagTopics topics = chooseImageTopics(connections, named);
   topics.motion = chooseMotionTopics(connections, named, notes);
   return topics;
+}
+
+std::string compressedImages(const std::vector<BagConnection>& connections) {
+  return compressedCure(typesOf(connections));
 }
 
 std::string outputNamespace(const std::string& left_image) {

@@ -41,7 +41,7 @@ boost::program_options::options_description motionTopicOptions(NamedTopics* topi
 /// Finds the stereo pair (two image topics whose names differ only as left and right do, rectified
 /// ones first) and its camera_infos; `motion` stays empty. Throws std::runtime_error, listing the
 /// candidates, if no pair or several are found, or a named topic is not in the bag or of another
-/// type.
+/// type; where images are compressed, it says how to make raw ones of them.
 BagTopics chooseImageTopics(const std::vector<BagConnection>& connections,
                             const NamedTopics& named);
 
@@ -57,6 +57,10 @@ MotionTopics chooseMotionTopics(const std::vector<BagConnection>& connections,
 /// Both.
 BagTopics chooseTopics(const std::vector<BagConnection>& connections, const NamedTopics& named,
                        std::vector<std::string>* notes);
+
+/// The topics of compressed images and how to make raw ones of them, in a sentence; "" if there are
+/// none.
+std::string compressedImages(const std::vector<BagConnection>& connections);
 
 /// The name space in which the outputs go: what left_image has before "left", e.g. "/stereo".
 std::string outputNamespace(const std::string& left_image);

@@ -19,7 +19,7 @@ import unittest
 import cv2
 import numpy as np
 import rosbag
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 import rospy
 
 TOOLS, DATA = '', ''
@@ -286,6 +286,19 @@ class BagCheck(Case):
         self.assertIn('WARN   rectification: /rig/right/image_raw is not rectified', out)
         self.assertNotIn('left/image_raw is not rectified', out)
         self.assertNotIn('not rectified', self.check(lambda *entry: entry))
+
+    def test_compressed_images_are_named(self):
+        def compressed(topic, message, time):
+            if 'camera_info' in topic:
+                return topic, message, time
+            return topic + '/compressed', CompressedImage(header=message.header), time
+
+        out = self.check(compressed)
+        self.assertIn('/rig/left/image_rect/compressed', out)
+        self.assertIn('image_transport republish', out)
+        code, _, err = run('process_bag', self.path('c.bag'), '--output', self.path('o.bag'))
+        self.assertEqual(code, 1)
+        self.assertIn('image_transport republish', err)
 
     def test_the_options_that_messages_name_are_understood(self):
         write_bag(self.path('in.bag'), 3, rigs=('/a', '/b'))

@@ -83,6 +83,20 @@ TEST(BagTopics, DoubtsAreSaid) {
             std::string::npos);
 }
 
+TEST(BagTopics, CompressedImagesAreNamedWithTheirCure) {
+  const auto bag = connections({{"/rig/left/image_raw/compressed", "sensor_msgs/CompressedImage"},
+                                {"/rig/right/image_raw/compressed", "sensor_msgs/CompressedImage"},
+                                {"/depth", "sensor_msgs/Image"}});
+  NamedTopics named;
+  const auto fault = [&] { return messageOf([&] { chooseImageTopics(bag, named); }); };
+  const std::string cure = "republish compressed in:=/rig/left/image_raw raw";
+  EXPECT_NE(fault().find("/rig/right/image_raw/compressed"), std::string::npos) << fault();
+  EXPECT_NE(fault().find(cure), std::string::npos) << fault();
+  named.left_image = "/rig/left/image_raw/compressed";
+  EXPECT_NE(fault().find(cure), std::string::npos) << fault();
+  EXPECT_EQ(compressedImages(connections(kStereo)), "");
+}
+
 MotionTopics motionTopics(const std::vector<std::pair<std::string, std::string>>& topics) {
   std::vector<std::string> notes;
   const MotionTopics found = chooseMotionTopics(connections(topics), NamedTopics(), &notes);
