@@ -244,6 +244,20 @@ NodeConfig readNodeConfig(const ParameterValues& values, std::vector<std::string
   return config;
 }
 
+std::string expectedInstead(const std::string& name, const XmlRpcValue& value) {
+  std::string expected;
+  NodeConfig config;
+  visitAllParameters(config, [&](const char* parameter, auto& member) {
+    if (name != parameter) return;
+    try {
+      take(value, member);
+    } catch (const std::invalid_argument& error) {
+      expected = error.what();
+    }
+  });
+  return expected;
+}
+
 ParameterValues privateParameters(const ros::NodeHandle& private_handle) {
   ParameterValues values;
   XmlRpcValue tree;

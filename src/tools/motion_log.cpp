@@ -6,6 +6,7 @@
 
 #include "adaptive_grid_stereo/ros/parameter_visitor.h"
 #include "command_line.h"
+#include "yaml_parameters.h"
 
 namespace adaptive_grid_stereo {
 
@@ -45,11 +46,12 @@ po::typed_value<std::string>* optionFor(RateAxes* target) {
 po::typed_value<std::string>* optionFor(std::array<double, 3>* target) {
   return po::value<std::string>()->default_value("0,0,0")->value_name("R,P,Y")->notifier(
       [target](const std::string& text) {
-        std::istringstream stream(text);
-        char comma = ',', other = ',';
-        if (!(stream >> (*target)[0] >> comma >> (*target)[1] >> other >> (*target)[2]) ||
-            comma != ',' || other != ',' || !stream.eof()) {
-          throw UsageError("--camera-rpy '" + text + "': expected roll,pitch,yaw in rad");
+        XmlRpc::XmlRpcValue list = parseParameterOption("camera_rpy", text);
+        for (int i = 0; i < 3; ++i) {
+          (*target)[static_cast<std::size_t>(i)] =
+              list[i].getType() == XmlRpc::XmlRpcValue::TypeInt
+                  ? static_cast<double>(static_cast<int>(list[i]))
+                  : static_cast<double>(list[i]);
         }
       });
 }

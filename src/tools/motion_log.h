@@ -16,7 +16,7 @@
 namespace adaptive_grid_stereo {
 
 /// One option per parameter of the motion estimate, as matcherOptions() has them for the matcher;
-/// --camera-rpy takes "roll,pitch,yaw".
+/// --camera-rpy takes "roll,pitch,yaw", with or without brackets.
 boost::program_options::options_description motionOptions(MotionConfig* config);
 
 /// Gives a message to the subscriber if it stands on one of the topics, or on /tf or /tf_static.

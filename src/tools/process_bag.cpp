@@ -78,7 +78,7 @@ po::options_description parameterOptions(Options* o) {
     const std::string help = parameterHelp(parameter);
     if (help.rfind("live only", 0) == 0) return;
     const auto store = [o, parameter](const std::string& text) {
-      o->values[parameter] = parseYamlValue(text);
+      o->values[parameter] = parseParameterOption(parameter, text);
     };
     options.add_options()(optionName(parameter).c_str(),
                           po::value<std::string>()->value_name("VALUE")->notifier(store),

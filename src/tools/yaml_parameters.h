@@ -7,13 +7,18 @@
 
 namespace adaptive_grid_stereo {
 
-/// The values of a YAML file as `rosparam load` would put them into the node's name space.
-/// Throws std::runtime_error, naming the file, if it cannot be read or holds no map.
+/// The values of a YAML file as `rosparam load` would put them into the node's name space, angles
+/// in deg(...) and rad(...) included. Throws std::runtime_error, naming the file, if it cannot be
+/// read or holds no map.
 ParameterValues readYamlParameters(const std::string& path);
 
-/// One value as YAML writes it: `true`, `12`, `0.5`, `[0, 0.1, 0]`, `word`.
-/// Throws std::runtime_error if it is neither.
+/// One value as YAML writes it: `true`, `12`, `0.5`, `deg(3)` [rad], `[0, 0.1, 0]`, `word`; a list
+/// of numbers also without brackets. Throws std::runtime_error if it is neither.
 XmlRpc::XmlRpcValue parseYamlValue(const std::string& text);
+
+/// The same for the option of a node's parameter. Throws UsageError, naming the option and what it
+/// expects, if the parameter cannot take the value.
+XmlRpc::XmlRpcValue parseParameterOption(const std::string& parameter, const std::string& text);
 
 }  // namespace adaptive_grid_stereo
 

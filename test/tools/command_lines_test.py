@@ -300,6 +300,16 @@ class BagCheck(Case):
         self.assertEqual(code, 1)
         self.assertIn('image_transport republish', err)
 
+    def test_lists_are_spelt_alike_in_every_tool(self):
+        write_bag(self.path('in.bag'), 3)
+        out = ('--output', self.path('o.bag'), '--force')
+        for tool, extra in (('bag_check', ()), ('process_bag', out)):
+            for text, understood in (('0,0.3,0', True), ('[0,0.3,0]', True), ('0,0.3', False)):
+                code, _, err = run(tool, self.path('in.bag'), *extra, '--camera-rpy', text)
+                self.assertEqual(code != 2, understood, err)
+                self.assertEqual('camera-rpy' not in err and 'camera_rpy' not in err, understood,
+                                 err)
+
     def test_the_options_that_messages_name_are_understood(self):
         write_bag(self.path('in.bag'), 3, rigs=('/a', '/b'))
         for tool, extra in (('bag_check', ()), ('process_bag', ('--output', self.path('o.bag')))):

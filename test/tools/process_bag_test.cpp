@@ -275,6 +275,41 @@ TEST(YamlParameters, ValuesAsRosparamWouldLoadThem) {
   EXPECT_EQ(config.motion.body_frame, "12");
 }
 
+double number(const std::string& text) { return static_cast<double>(parseYamlValue(text)); }
+
+TEST(YamlParameters, AnglesAsRosparamHasThem) {
+  const TemporaryFolder folder;
+  folder.write("a.yaml", "magnetic_declination: deg(3)\ncamera_rpy: [0, deg(-20.5), rad(pi/2)]\n");
+  std::vector<std::string> warnings;
+  const NodeConfig config = readNodeConfig(readYamlParameters(folder.file("a.yaml")), warnings);
+  EXPECT_TRUE(warnings.empty()) << warnings.front();
+  EXPECT_DOUBLE_EQ(config.motion.magnetic_declination, 3.0 * M_PI / 180.0);
+  EXPECT_DOUBLE_EQ(config.motion.camera_rpy[1], -20.5 * M_PI / 180.0);
+  EXPECT_DOUBLE_EQ(config.motion.camera_rpy[2], M_PI / 2.0);
+  EXPECT_DOUBLE_EQ(number("rad(-3 * pi / 4)"), -0.75 * M_PI);
+  EXPECT_DOUBLE_EQ(number("rad(0.25)"), 0.25);
+  for (const char* text : {"deg()", "deg(x)", "rad(pi/0)", "rad(po)", "rad(1+1)", "deg(3 4)"}) {
+    EXPECT_NE(messageOf([&] { parseYamlValue(text); }).find("is no angle"), std::string::npos)
+        << text;
+  }
+}
+
+TEST(YamlParameters, OptionsTakeListsInBothSpellingsAndRefuseTheRest) {
+  for (const char* text : {"0,0.3,0", "[0,0.3,0]", "0, 0.3, rad(0)"}) {
+    XmlRpc::XmlRpcValue list = parseParameterOption("camera_rpy", text);
+    ASSERT_EQ(list.size(), 3) << text;
+    EXPECT_DOUBLE_EQ(static_cast<double>(list[1]), 0.3) << text;
+  }
+  EXPECT_EQ(static_cast<std::string>(parseParameterOption("body_frame", "a,1")), "a,1");
+  for (const char* text : {"0,0.3", "0,x,0", "0.3", "[0,0.3,0", "0,,0"}) {
+    EXPECT_THROW(parseParameterOption("camera_rpy", text), UsageError) << text;
+  }
+  EXPECT_NE(messageOf([] {
+              parseParameterOption("max_speed", "fast");
+            }).find("--max-speed 'fast': expected a number"),
+            std::string::npos);
+}
+
 TEST(YamlParameters, DamagedFilesAreNamed) {
   const TemporaryFolder folder;
   folder.write("a.yaml", "a: [1, 2\n");

@@ -76,6 +76,10 @@ using ParameterValues = std::map<std::string, XmlRpc::XmlRpcValue>;
 /// once for the names that only SGBM of stereo_image_proc knows. Never throws.
 NodeConfig readNodeConfig(const ParameterValues& values, std::vector<std::string>& warnings);
 
+/// What the parameter `name` expects instead of a value, e.g. "a number"; "" if it can be read, or
+/// there is no such parameter.
+std::string expectedInstead(const std::string& name, const XmlRpc::XmlRpcValue& value);
+
 /// All that stands below the private name space, without those of deeper name spaces.
 ParameterValues privateParameters(const ros::NodeHandle& private_handle);
 
