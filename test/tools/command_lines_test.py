@@ -17,9 +17,10 @@ import time
 import unittest
 
 import cv2
+from geometry_msgs.msg import Quaternion, TwistStamped, Vector3
 import numpy as np
 import rosbag
-from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, Imu
 import rospy
 
 TOOLS, DATA = '', ''
@@ -253,6 +254,24 @@ class Evaluate(Case):
 
 
 class BagCheck(Case):
+    def test_a_setpoint_is_no_velocity(self):
+        write_bag(self.path('in.bag'), 5)
+        with rosbag.Bag(self.path('in.bag'), 'a') as bag:
+            for i in range(500):
+                stamp = rospy.Time.from_sec(99.5 + 0.01 * i)
+                imu = Imu(linear_acceleration=Vector3(z=9.81), orientation=Quaternion(w=1.0))
+                twist = TwistStamped()
+                twist.twist.linear.x = 10.0
+                for topic, message in (('/mavros/imu/data', imu),
+                                       ('/mavros/setpoint_velocity/cmd_vel', twist)):
+                    message.header.stamp = stamp
+                    message.header.frame_id = 'base_link'
+                    bag.write(topic, message, stamp)
+        for tool, extra in (('bag_check', ()), ('process_bag', ('--output', self.path('o.bag')))):
+            _, out, err = run(tool, self.path('in.bag'), *extra)
+            self.assertIn('gps_vel none', out + err)
+            self.assertNotIn('speed from', out)
+
     def check(self, change, frames=5, distorted=False):
         """What bag_check says of a bag whose (topic, message, time) went through `change`."""
         write_bag(self.path('in.bag'), frames, distorted)
