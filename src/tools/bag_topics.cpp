@@ -168,7 +168,9 @@ int preference(const std::string& topic) {
 std::vector<std::string> motionCandidates(const TypeOf& types, const std::string& type) {
   std::vector<std::string> best;
   for (const std::string& topic : topicsOfType(types, type)) {
-    if (!isMeasured(topic)) continue;
+    // mavros' velocity_body is of the body, while gps/vel is of the earth unless declared
+    // otherwise.
+    if (!isMeasured(topic) || contains(topic, "velocity_body")) continue;
     if (!best.empty() && preference(topic) > preference(best.front())) best.clear();
     if (best.empty() || preference(topic) == preference(best.front())) best.push_back(topic);
   }

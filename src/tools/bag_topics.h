@@ -48,9 +48,9 @@ BagTopics chooseImageTopics(const std::vector<BagConnection>& connections,
 /// Finds the motion sources, the same ones for every tool: the only topic of the type, or the one
 /// that the flight stacks offer as the better (an Imu with orientation before a raw one, odometry
 /// of the body before that of the GPS), or the one with the usual name. What is commanded, and what
-/// only a simulation knows, is taken only where it is named. Sources that stay in doubt are left
-/// out, with a sentence in `notes`. Throws std::runtime_error if a named topic is not in the bag or
-/// of another type.
+/// only a simulation knows, is taken only where it is named; so is a velocity in body axes. Sources
+/// that stay in doubt are left out, with a sentence in `notes`. Throws std::runtime_error if a
+/// named topic is not in the bag or of another type.
 MotionTopics chooseMotionTopics(const std::vector<BagConnection>& connections,
                                 const NamedTopics& named, std::vector<std::string>* notes);
 

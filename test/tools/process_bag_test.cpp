@@ -120,6 +120,11 @@ TEST(BagTopics, WhatIsCommandedOrSimulatedIsNoSensor) {
             *named.odom);
 }
 
+TEST(BagTopics, AVelocityOfTheBodyIsTakenOnlyWhereItIsNamed) {
+  const std::string topic = "/mavros/local_position/velocity_body";
+  EXPECT_EQ(motionTopics({{topic, "geometry_msgs/TwistStamped"}}).gps_vel, "");
+}
+
 TEST(BagTopics, TheBetterSourceOfAFlightStackIsTaken) {
   const MotionTopics found =
       motionTopics({{"/mavros/imu/data", "sensor_msgs/Imu"},
