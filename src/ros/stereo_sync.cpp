@@ -195,6 +195,7 @@ struct StereoSync::Impl {
     SyncStatus report;
     report.subscribed = subscribed;
     report.approximate = options.approximate;
+    report.silence = now - last_pair;
     const std::string* names[] = {&topics.left_image, &topics.right_image, &topics.left_info,
                                   &topics.right_info};
     for (int i = 0; i < 4; ++i) {
@@ -204,7 +205,10 @@ struct StereoSync::Impl {
       input.rate = inputs[i].meter.rate(now);
       input.silence = now - inputs[i].last_arrival;
       input.newest_stamp = inputs[i].stamps.empty() ? 0.0 : inputs[i].stamps.back().toSec();
-      input.offset = smallestStep(inputs[0].stamps, inputs[i].stamps);
+      // Asked for with every pair, too, when nobody needs it.
+      if (report.silence >= kPatience) {
+        input.offset = smallestStep(inputs[0].stamps, inputs[i].stamps);
+      }
     }
     if (subscribed) {
       report.inputs[0].publishers = left.getNumPublishers();
@@ -218,7 +222,6 @@ struct StereoSync::Impl {
         inputs[0].received - std::min(inputs[0].received, pairs + report.out_of_order);
     report.clock_jumps = pairing.clockJumps();
     report.pair_rate = pair_meter.rate(now);
-    report.silence = now - last_pair;
     report.max_stamp_difference = max_stamp_difference;
     return report;
   }

@@ -69,6 +69,13 @@ TEST(MotionEstimatorTest, SaysWhatFixesLackThatComeTooSeldom) {
   EXPECT_FALSE(motion.valid);
   EXPECT_NE(motion.reason.find("gps_fix 0.10 s old (three fixes"), std::string::npos)
       << motion.reason;
+  MotionConfig patient;
+  patient.motion_timeout = 1.5;
+  estimator.setConfig(patient);
+  for (int i = 0; i <= 20; ++i) estimator.add(imu(11.0 + 0.01 * i, 0.0));
+  const Motion known = at(estimator, 11.1);
+  EXPECT_TRUE(known.valid) << known.reason;
+  EXPECT_NEAR(known.forward_speed, 10.0, 0.01);
 }
 
 TEST(MotionEstimatorTest, InterpolatesFastOdometry) {

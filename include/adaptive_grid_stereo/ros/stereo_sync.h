@@ -31,7 +31,8 @@ struct InputStatus {
   double rate = 0.0;           // [Hz], over the last seconds
   double silence = 0.0;        // since the last message, or since subscribing [s]
   double newest_stamp = 0.0;   // [s]
-  /// From the left images' stamps to this input's, where they come nearest to each other [s].
+  /// From the left images' stamps to this input's, where they come nearest to each other [s]; 0
+  /// while pairs come.
   double offset = 0.0;
   std::uint32_t publishers = 0;  // now
 };
