@@ -89,11 +89,9 @@ void StereoMatcher::Impl::pad(const cv::Mat& left_image, const cv::Mat& right_im
 
 void StereoMatcher::Impl::refine() {
   const int threads = pool->size(), height = unfiltered.rows;
+  // A thread's part is about that of the rows that it has selected, which are in its caches.
   const auto forParts = [&](const auto& f) {
-    pool->run([&](int thread) {
-      const int part = sweeps.partOf(thread);
-      f(part, height * part / threads, height * (part + 1) / threads);
-    });
+    pool->run([&](int part) { f(part, height * part / threads, height * (part + 1) / threads); });
   };
   if (config.min_contrast > 0.0) {
     forParts([&](int, int first, int last) {

@@ -73,7 +73,10 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
 Strips::Part Strips::partOf(int strip, int band) const {
   const int sweep = sweepOf(strip), place = strip % perSweep();
   const bool second_pass = claims_[claimPlace(sweep, band)] != sweep;
-  return {strip, sweep, band, edges_[sweep][place], edges_[sweep][place + 1], second_pass};
+  // Once sweeps have met, neither has a first pass left, and whoever made the other one's is here.
+  const bool changed_over = second_pass && threads_ <= 2;
+  const int buffers = changed_over ? firstOf(1 - sweep) + place : strip;
+  return {strip, buffers, sweep, band, edges_[sweep][place], edges_[sweep][place + 1], second_pass};
 }
 
 bool Strips::claim(int strip, int band) {
@@ -91,12 +94,18 @@ Strips::Need Strips::needOf(int strip) const {
   if (ends && place + 1 < perSweep()) return {strip + 1, band_begin - kStages + 1};
   // What the other sweep has begun with it must have finished, the last of its strips last.
   if (begins && band < bands_.count() && claims_[claimPlace(sweep, band)] == 1 - sweep) {
-    return {(2 - sweep) * perSweep() - 1, (bands_.opposite(band) + 1) * kStages};
+    return {firstOf(2 - sweep) - 1, (bands_.opposite(band) + 1) * kStages};
   }
   return {strip, stage};
 }
 
 bool Strips::canGoOn(int strip) const { return !isFinished(strip) && isMet(needOf(strip)); }
+
+bool Strips::meetsOtherSweep(int strip) const {
+  const int stage = strips_[strip].stage, sweep = sweepOf(strip);
+  return stage % kStages == 0 && canGoOn(strip) &&
+         claims_[claimPlace(sweep, stage / kStages)] == 1 - sweep;
+}
 
 bool Strips::tryToTake(int strip) {
   Strip& free = strips_[strip];

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <limits>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "adaptive_grid_stereo/path_plan.h"
@@ -26,6 +27,11 @@ namespace adaptive_grid_stereo {
 /// side of a border between strips go from one thread to another. A thread that has a sweep by
 /// itself takes both of its strips as one, until another one that is out of work wants the second.
 ///
+/// Where the sweeps of two threads meet, the threads change over: each goes on with the other's
+/// sweep, back over the rows that it comes from. So it reads the volume that it has written itself,
+/// and the faster one of two unlike cores, which has come farther, has more of the second pass,
+/// too.
+///
 /// A band of a strip can begin once its left neighbour has finished its strip there (the first
 /// strip if the other sweep has not begun with the band, or has finished it), and can be finished
 /// once its right neighbour has begun the band above: its paths reach so far and no farther. Of the
@@ -44,6 +50,7 @@ class Strips {
   /// A band of one of the strips.
   struct Part {
     int strip;         // of both sweeps': first those of the downward one
+    int buffers;       // the strip whose buffers its thread has
     int sweep;         // kDown or kUp
     int band;          // along the sweep
     int begin, end;    // the strip's steps, or its joined neighbour's, too
@@ -74,11 +81,20 @@ class Strips {
   template <class Prepare, class Work>
   void run(int thread, const Prepare& prepare, const Work& work) {
     int own = thread * count() / std::min(threads_, count());
+    // Where to change over to, as long as this thread has not.
+    int across = threads_ == 2 ? firstOf(1 - sweepOf(own)) : kNobody;
     for (int strip; (strip = take(&own)) >= 0;) {
+      if (across != kNobody && sweepOf(strip) == sweepOf(across)) across = kNobody;
+      bool changes_over;
       do {
-        runStage(strip, prepare, work);
-      } while (canGoOn(strip) || waitInHand(strip));
+        changes_over = across != kNobody && !isFinished(across) && meetsOtherSweep(strip);
+        if (!changes_over) runStage(strip, prepare, work);
+      } while (!changes_over && (canGoOn(strip) || waitInHand(strip)));
       leave(strip);
+      if (!changes_over) continue;
+      own = std::exchange(across, kNobody);
+      // The other thread leaves it within a moment; if it does not, take() finds what there is.
+      spinUntil([&] { return !strips_[own].taken && canGoOn(own); }, kMostSpins);
     }
   }
 
@@ -146,6 +162,7 @@ class Strips {
   // Strips of each sweep.
   int perSweep() const { return static_cast<int>(edges_[0].size()) - 1; }
   int sweepOf(int strip) const { return strip / perSweep(); }
+  int firstOf(int sweep) const { return sweep * perSweep(); }
   // The edges of so many strips of about the same work.
   std::vector<int> divide(const PathPlan& plan, int count);
   Part partOf(int strip, int band) const;
@@ -159,6 +176,8 @@ class Strips {
   bool isMet(const Need& need) const { return strips_[need.strip].stage >= need.stage; }
   bool isFinished(int strip) const { return strips_[strip].stage >= kStages * bands_.count(); }
   bool canGoOn(int strip) const;
+  // Whether a strip can go on, and the other sweep has finished the band that comes next.
+  bool meetsOtherSweep(int strip) const;
   bool tryToTake(int strip);
   // Takes the other one of two strips, too, if it has come as far and nobody wants it.
   bool tryToJoin(int strip, int stage);

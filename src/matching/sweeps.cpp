@@ -12,9 +12,10 @@ namespace {
 constexpr std::size_t kStreamedVolume = std::size_t{12} << 20;  // [bytes]
 
 // Whether to write the volume past the caches. With several threads, whatever its size: what one
-// of them writes another one reads, so in a cache it would have to be fetched from the other's, and
-// be taken back to be written for the next frame. Where cores share no cache that takes longer than
-// memory does, by half of a small frame's time.
+// of them writes another one may read, so in a cache it would have to be fetched from the other's,
+// and be taken back to be written for the next frame. Where cores share no cache that takes longer
+// than memory does: more than two threads half of a small frame's time, two, which read mostly what
+// they have written themselves, a few percent.
 bool streamsVolume(std::size_t bytes, int threads) {
   return threads > 1 || bytes >= kStreamedVolume;
 }
@@ -137,7 +138,7 @@ void Sweeps::makeCensus(const SweepImages& images, int first, int last, int set,
 }
 
 void Sweeps::preparePart(const SweepImages& images, const Strips::Part& part) {
-  Worker& worker = workers_[part.strip];
+  Worker& worker = workers_[part.buffers];
   const Bands& bands = bands_[part.sweep];
   worker.row_count = bands.rows(part.band);
   if (bands_only_ && !part.second_pass) {
@@ -145,7 +146,7 @@ void Sweeps::preparePart(const SweepImages& images, const Strips::Part& part) {
     makeCensus(images, y, y + worker.row_count, part.sweep, 0, &worker);
   }
   for (int i = 0; i < worker.row_count; ++i) {
-    worker.rows[i] = makeRow(part.sweep, part.band, i);
+    worker.rows[i] = makeRow(part, i);
     startPathsAnew(part.sweep, bands.firstRow(part.band) + i, i, &worker);
     if (part.second_pass) {
       fetchVolume(worker.rows[i], frames_[part.sweep], part.begin - kBandLag * i);
@@ -155,7 +156,7 @@ void Sweeps::preparePart(const SweepImages& images, const Strips::Part& part) {
 }
 
 void Sweeps::workOnPart(const Strips::Part& part, int first, int last, cv::Mat* disparity) {
-  Worker& worker = workers_[part.strip];
+  Worker& worker = workers_[part.buffers];
   const auto pass = part.second_pass ? runSecondPass : runFirstPass;
   const SweepFrame& frame = frames_[part.sweep];
   const auto& runs = worker.runs.find(frame, worker.rows, worker.row_count, first, last);
@@ -163,7 +164,7 @@ void Sweeps::workOnPart(const Strips::Part& part, int first, int last, cv::Mat* 
   // A row is selected as a whole: at once, while it is in the cache, if a thread has whole rows.
   if (!bands_only_ || !part.second_pass || last < strips_.edges(part.sweep).back()) return;
   const int y = bands_[part.sweep].imageRow(part.band);
-  selectRows(y, y + worker.row_count, part.sweep, &worker.buffers, disparity);
+  selectRows(y, y + worker.row_count, winnersSetOf(part.sweep), &worker.buffers, disparity);
 }
 
 void Sweeps::fillPenalties(const SweepImages& images, const Strips::Part& part, int index,
@@ -203,7 +204,8 @@ WinnerRow Sweeps::winnersOf(int set, int y) {
   return {found, found + width, found + 2 * width};
 }
 
-SweepRow Sweeps::makeRow(int sweep, int band, int index) {
+SweepRow Sweeps::makeRow(const Strips::Part& part, int index) {
+  const int sweep = part.sweep, band = part.band;
   const SweepFrame& frame = frames_[sweep];
   const int v = bands_[sweep].firstRow(band) + index;
   const int y = sweep == kUp ? frame.height - 1 - v : v;
@@ -215,7 +217,7 @@ SweepRow Sweeps::makeRow(int sweep, int band, int index) {
   row.left = census_[setOf(sweep)].left(y);
   row.right = census_[setOf(sweep)].right(y);
   row.volume = volume_.data() + y * row_volume;
-  row.winners = winnersOf(setOf(sweep), y);
+  row.winners = winnersOf(winnersSetOf(sweep), y);
   return row;
 }
 

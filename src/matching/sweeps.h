@@ -41,11 +41,6 @@ class Sweeps {
   void run(const SweepImages& images, const PathPlan& plan, const std::atomic<bool>& stop,
            ThreadPool* pool, cv::Mat* disparity);
 
-  /// With the rows cut into as many parts as there are threads, from the top: the part whose
-  /// disparities thread `thread` of run() has mostly selected, so that they are in its caches.
-  /// (With one or two threads the first one's sweep goes down and ends with the last row.)
-  int partOf(int thread) const { return bands_only_ ? threads_ - 1 - thread : thread; }
-
   /// What the census transform took of the last run() [ms], the mean of the threads.
   double censusTime() const;
 
@@ -68,7 +63,7 @@ class Sweeps {
   void preparePart(const SweepImages& images, const Strips::Part& part);
   void workOnPart(const Strips::Part& part, int first, int last, cv::Mat* disparity);
   void selectRows(int first, int last, int set, RowBuffers* buffers, cv::Mat* disparity);
-  SweepRow makeRow(int sweep, int band, int index);
+  SweepRow makeRow(const Strips::Part& part, int index);
   // Shows zeros to the paths of row v, which is rows[index], where they come from pixels of cells
   // above that do not have them.
   void startPathsAnew(int sweep, int v, int index, Worker* worker) const;
@@ -77,8 +72,10 @@ class Sweeps {
   // Fetches what a row's second pass reads of the volume first, from pixel u on.
   void fetchVolume(const SweepRow& row, const SweepFrame& frame, int u) const;
   WinnerRow winnersOf(int set, int y);
-  // Which census strings and winners a sweep uses: its own, or those of both.
+  // Which census strings a sweep's first pass uses, and which winners its second pass: those of one
+  // thread, which changes over in between, or those of both sweeps.
   int setOf(int sweep) const { return bands_only_ ? sweep : 0; }
+  int winnersSetOf(int sweep) const { return setOf(1 - sweep); }
 
   MatcherConfig config_;
   SweepFrame frames_[kSweeps];
