@@ -7,6 +7,13 @@
 
 namespace adaptive_grid_stereo {
 
+/// Where strips take turns with the places near their border, so that one does not write over what
+/// the other still reads: a band's turn, and that of the one above. They differ by one, or not at
+/// all where one thread does all of the band, once the one above is finished.
+struct BandTurns {
+  int own, above;
+};
+
 /// The bands of a sweep, counted along it. Those of both sweeps are made of the same rows of the
 /// image: the band with fewer of them, if there is one, is the last downwards and the first
 /// upwards.

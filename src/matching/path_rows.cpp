@@ -140,18 +140,18 @@ void PathRows::placeLastButOneRows() {
   }
 }
 
-PathRow PathRows::rowOf(int band, int row) const {
+PathRow PathRows::rowOf(int band, int row, const BandTurns& turns) const {
   if (row < 0) {
     const int of_above = band == 0 ? -1 : bands_.rows(band - 1) + row;
-    return of_above < 0 ? zeros() : rowOf(band - 1, of_above);
+    return of_above < 0 ? zeros() : rowOf(band - 1, of_above, {turns.above, turns.above});
   }
   const int row_count = bands_.rows(band), from_last = row_count - 1 - row;
-  const std::size_t set = band % sets();
+  const std::size_t set = turns.own % sets();
   // A band with fewer rows would write over what it still reads of the band before. If it is the
   // last one, nobody needs its rows.
   const bool leaves_rows = row_count == kBandRows || band == 0;
   if (leaves_rows && from_last == 0) {
-    return last_places_.data() + band % kBoundaries * row_pixels_ + kPathMargin;
+    return last_places_.data() + turns.own % kBoundaries * row_pixels_ + kPathMargin;
   }
   if (!leaves_rows || from_last != 1) return ringRow(set, row);
   const std::size_t cell = kinds_->cellOfRow(bands_.firstRow(band) + row);
@@ -163,10 +163,10 @@ PathRow PathRows::ringRow(std::size_t set, int row) const {
   return ring_places_.data() + (set * kBandRows + row) * row_pixels_ + kPathMargin;
 }
 
-void PathRows::find(int band, int row, SweepRow* out) const {
-  out->current = rowOf(band, row);
-  out->above = out->above_diagonals = out->above_knights = rowOf(band, row - 1);
-  out->above2_knights = rowOf(band, row - 2);
+void PathRows::find(int band, int row, const BandTurns& turns, SweepRow* out) const {
+  out->current = rowOf(band, row, turns);
+  out->above = out->above_diagonals = out->above_knights = rowOf(band, row - 1, turns);
+  out->above2_knights = rowOf(band, row - 2, turns);
 }
 
 }  // namespace adaptive_grid_stereo

@@ -18,7 +18,7 @@ namespace adaptive_grid_stereo {
 /// pixels of cells of 16 paths (and those beside them), as no other path skips a row; of the rest
 /// only the last few pixels of a row are kept, in rings. Each strip writes over what it wrote for
 /// the band before. But for pixels near a border between strips, which the neighbour may still
-/// read: there, bands take turns.
+/// read: there, bands take turns (BandTurns).
 class PathRows {
  public:
   /// Makes buffers for the size and for at most so many strips where they are too small. Path costs
@@ -31,7 +31,7 @@ class PathRows {
               bool anew);
 
   /// Tells the places of row `row` of a band, and of the two rows above it.
-  void find(int band, int row, SweepRow* out) const;
+  void find(int band, int row, const BandTurns& turns, SweepRow* out) const;
 
   /// Places of a row whose path costs are all zero.
   PathRow zeros() const { return zero_row_.data() + kPathMargin; }
@@ -41,16 +41,16 @@ class PathRows {
   void placeLastButOneRows();
   // The place of pixel i - kPathMargin in a boundary's last (0) or last but one row (1).
   std::uint8_t* boundaryPlace(int slot, int from_last, std::size_t i);
-  // Sets of places in rings, of which each band takes one in turn.
+  // Sets of places in rings, one for each turn, over and over.
   int sets() const { return std::max(1, sets_); }
-  PathRow rowOf(int band, int row) const;
+  PathRow rowOf(int band, int row, const BandTurns& turns) const;
   PathRow ringRow(std::size_t set, int row) const;
 
   int width_ = 0;
   int strips_ = 0;
   PathLayout layout_;
   std::size_t row_pixels_ = 0;
-  int sets_ = 0;  // of rings that bands take turns with
+  int sets_ = 0;  // of rings, if strips take turns
   AlignedBuffer<std::uint8_t> boundary_;
   AlignedBuffer<std::uint8_t> rings_;    // of the sets, then one set of each strip's own
   AlignedBuffer<std::uint8_t> zero_;     // one pixel

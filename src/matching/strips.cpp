@@ -68,6 +68,7 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
   const std::size_t bands = bands_.count();
   if (claims_.size() != bands) claims_ = std::vector<std::atomic<int>>(bands);
   for (std::atomic<int>& claim : claims_) claim = kNobody;
+  for (std::vector<int>& turns : turns_) turns.resize(bands);
 }
 
 Strips::Part Strips::partOf(int strip, int band) const {
@@ -76,7 +77,20 @@ Strips::Part Strips::partOf(int strip, int band) const {
   // Once sweeps have met, neither has a first pass left, and whoever made the other one's is here.
   const bool changed_over = second_pass && threads_ <= 2;
   const int buffers = changed_over ? firstOf(1 - sweep) + place : strip;
-  return {strip, buffers, sweep, band, edges_[sweep][place], edges_[sweep][place + 1], second_pass};
+  return {strip,
+          buffers,
+          sweep,
+          band,
+          edges_[sweep][place],
+          edges_[sweep][place + 1],
+          second_pass,
+          {turnOf(sweep, band), turnOf(sweep, band - 1)}};
+}
+
+void Strips::takeTurn(int strip, int band, bool whole) {
+  const int sweep = sweepOf(strip);
+  if (strip != firstOf(sweep)) return;
+  turns_[sweep][band] = turnOf(sweep, band - 1) + (whole ? 0 : 1);
 }
 
 bool Strips::claim(int strip, int band) {

@@ -55,6 +55,7 @@ class Strips {
     int band;          // along the sweep
     int begin, end;    // the strip's steps, or its joined neighbour's, too
     bool second_pass;  // whether the other sweep has been there
+    BandTurns turns;
   };
 
   /// As many strips per sweep as `threads` make, and about the same work in all: that of a column
@@ -134,18 +135,20 @@ class Strips {
       // The other sweep may have begun with the band just now.
       if (!claim(strip, band) && !canGoOn(strip)) return;
     }
+    const bool whole = stage % kStages == 0 && (perSweep() == 1 || tryToJoin(strip, stage));
+    if (stage % kStages == 0) takeTurn(strip, band, whole);
     Part part = partOf(strip, band);
     const int begin = part.begin, end = part.end;
+    if (whole) {
+      part.end = edges(part.sweep).back();
+      prepare(part);
+      work(part, begin, part.end);
+      reach(strip, stage + kStages);
+      if (perSweep() > 1) release(strip + 1, stage + kStages);
+      return;
+    }
     switch (stage % kStages) {
       case 0:
-        if (perSweep() == 1 || tryToJoin(strip, stage)) {
-          part.end = edges(part.sweep).back();
-          prepare(part);
-          work(part, begin, part.end);
-          reach(strip, stage + kStages);
-          if (perSweep() > 1) release(strip + 1, stage + kStages);
-          return;
-        }
         prepare(part);
         work(part, begin, begin + kReach);
         break;
@@ -170,6 +173,10 @@ class Strips {
   int claimPlace(int sweep, int band) const {
     return sweep == kDown ? band : bands_.opposite(band);
   }
+  // Of a sweep, before which its first band is.
+  int turnOf(int sweep, int band) const { return band < 0 ? 0 : turns_[sweep][band]; }
+  // The first strip of a sweep that begins with a band, or with the whole of it, sets its turn.
+  void takeTurn(int strip, int band, bool whole);
   // Claims a band's first pass for a strip's sweep; whether it has it.
   bool claim(int strip, int band);
   Need needOf(int strip) const;
@@ -202,6 +209,7 @@ class Strips {
   std::vector<Strip> strips_;
   // The sweep that has a band's first pass, or kNobody, [claimPlace()].
   std::vector<std::atomic<int>> claims_;
+  std::vector<int> turns_[kSweeps];  // [band], see BandTurns
   std::vector<double> work_before_;  // each column
   const std::atomic<bool>* stop_ = nullptr;
   Bands bands_;  // downwards

@@ -213,7 +213,7 @@ SweepRow Sweeps::makeRow(const Strips::Part& part, int index) {
   SweepRow row{};
   row.kinds = kinds_[sweep].row(v);
   row.kind_ends = kinds_[sweep].ends(v);
-  path_rows_[sweep].find(band, index, &row);
+  path_rows_[sweep].find(band, index, part.turns, &row);
   row.left = census_[setOf(sweep)].left(y);
   row.right = census_[setOf(sweep)].right(y);
   row.volume = volume_.data() + y * row_volume;
