@@ -3,18 +3,9 @@
 #include "src/matching/spin.h"
 
 namespace adaptive_grid_stereo {
-namespace {
 
-constexpr int kPartBits = 32;
-
-std::uint32_t generationOf(std::uint64_t next) {
-  return static_cast<std::uint32_t>(next >> kPartBits);
-}
-
-}  // namespace
-
-ThreadPool::ThreadPool(int size) : caller_cpu_(kNoCpu), worker_cpu_(kNoCpu) {
-  for (int index = 1; index < size; ++index) workers_.emplace_back([this] { work(); });
+ThreadPool::ThreadPool(int size) : parts_(size), caller_cpu_(kNoCpu), worker_cpu_(kNoCpu) {
+  for (int own = 1; own < size; ++own) workers_.emplace_back([this, own] { work(own); });
 }
 
 ThreadPool::~ThreadPool() {
@@ -28,34 +19,27 @@ ThreadPool::~ThreadPool() {
 
 void ThreadPool::run(const std::function<void(int)>& job) {
   if (workers_.empty()) return job(0);
-  const std::uint32_t generation = generationOf(next_) + 1;
+  const std::uint32_t number = job_number_ + 1;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     job_ = &job;
     unfinished_ = size();
     caller_cpu_ = currentCpu();
-    next_ = static_cast<std::uint64_t>(generation) << kPartBits;
+    job_number_ = number;
   }
   start_.notify_all();
-  doParts(generation);
+  doParts(number, 0);
   const auto all_done = [this] { return unfinished_ == 0; };
   if (spinUntil(all_done, sharesMyCpu(worker_cpu_) ? 0 : kMostSpins)) return;
   std::unique_lock<std::mutex> lock(mutex_);
   done_.wait(lock, all_done);
 }
 
-bool ThreadPool::takePart(std::uint32_t generation, int* part) {
-  std::uint64_t next = next_;
-  do {
-    *part = static_cast<int>(next & ((std::uint64_t{1} << kPartBits) - 1));
-    if (generationOf(next) != generation || *part == size()) return false;
-  } while (!next_.compare_exchange_weak(next, next + 1));
-  return true;
-}
-
-void ThreadPool::doParts(std::uint32_t generation) {
-  int part;
-  while (takePart(generation, &part)) {
+void ThreadPool::doParts(std::uint32_t job, int own) {
+  for (int i = 0; i < size(); ++i) {
+    const int part = (own + i) % size();
+    std::uint32_t job_before = job - 1;
+    if (!parts_[part].taken_in.compare_exchange_strong(job_before, job)) continue;
     (*job_)(part);
     if (--unfinished_ > 0) continue;
     // Under the lock, so that run() does not begin to wait in between.
@@ -64,18 +48,18 @@ void ThreadPool::doParts(std::uint32_t generation) {
   }
 }
 
-void ThreadPool::work() {
+void ThreadPool::work(int own) {
   std::uint32_t seen = 0;
-  const auto called = [&] { return stop_ || generationOf(next_) != seen; };
+  const auto called = [&] { return stop_ || job_number_ != seen; };
   for (;;) {
     if (!spinUntil(called, sharesMyCpu(caller_cpu_) ? 0 : kMostSpins)) {
       std::unique_lock<std::mutex> lock(mutex_);
       start_.wait(lock, called);
     }
     if (stop_) return;
-    seen = generationOf(next_);
+    seen = job_number_;
     worker_cpu_ = currentCpu();
-    doParts(seen);
+    doParts(seen, own);
   }
 }
 

@@ -26,22 +26,29 @@ class ThreadPool {
   int size() const { return static_cast<int>(workers_.size()) + 1; }
 
   /// Runs job(0) .. job(size - 1), each once, several at the same time where there are cores for
-  /// them, and returns when all are done. The job must not throw. Not reentrant. Threads that have
-  /// finished keep spinning for some microseconds, since one job of a frame follows the other;
-  /// waking them up would take longer than some jobs do.
+  /// them, and returns when all are done. Part 0 is the caller's, and each of the others the same
+  /// thread's in every job, so that it finds in its caches what it had there before; but who has
+  /// nothing else to do takes what has not been begun. The job must not throw. Not reentrant.
+  /// Threads that have finished keep spinning for some microseconds, since one job of a frame
+  /// follows the other; waking them up would take longer than some jobs do.
   void run(const std::function<void(int)>& job);
 
  private:
-  void work();
-  void doParts(std::uint32_t generation);
-  bool takePart(std::uint32_t generation, int* part);
+  void work(int own);
+  // Does the thread's own part of a job, and any that nobody has begun.
+  void doParts(std::uint32_t job, int own);
 
   std::vector<std::thread> workers_;
   std::mutex mutex_;  // of the waits; what they wait for changes under it
   std::condition_variable start_, done_;
   const std::function<void(int)>* job_ = nullptr;  // while there are unfinished parts
-  // The next part to be taken, below the job's number: so a late thread takes none of the next job.
-  std::atomic<std::uint64_t> next_{0};
+  std::atomic<std::uint32_t> job_number_{0};
+  // The last job that each part was taken in. It is taken from the job before, so a late thread
+  // takes none of the next job.
+  struct alignas(64) Part {
+    std::atomic<std::uint32_t> taken_in{0};
+  };
+  std::vector<Part> parts_;
   std::atomic<int> unfinished_{0};
   std::atomic<int> caller_cpu_;
   std::atomic<int> worker_cpu_;  // of the worker that took a part last
