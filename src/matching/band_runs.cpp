@@ -5,9 +5,9 @@
 namespace adaptive_grid_stereo {
 namespace {
 
-// Enough for each of a band's three stages in any of the three rows of cells, or between two of
-// these.
-constexpr std::size_t kMostAnswers = 16;
+// Enough for each of a band's three stages, or the whole, in any of the three rows of cells of
+// either sweep, or between two of these.
+constexpr std::size_t kMostAnswers = 48;
 
 // Columns whose disparities all stay inside the right image; none if no kernel makes use of that.
 struct InnerColumns {

@@ -14,7 +14,7 @@ constexpr double kFixedWork = 6.0;
 
 /// Narrower strips spend too much of their time on waiting for each other [px].
 constexpr int kNarrowest = 64;
-static_assert(kNarrowest > 2 * Strips::kReach, "both ends of a strip must fit");
+static_assert(kNarrowest / 2 > 2 * Strips::kReach, "both ends of a strip must fit");
 
 /// Mean work per pixel of each column of cells.
 double workOf(const PathPlan& plan, int column) {
@@ -74,7 +74,8 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
 Strips::Part Strips::partOf(int strip, int band) const {
   const int sweep = sweepOf(strip), place = strip % perSweep();
   const bool second_pass = claims_[claimPlace(sweep, band)] != sweep;
-  // Once sweeps have met, neither has a first pass left, and whoever made the other one's is here.
+  // Once the sweeps have met neither has a first pass left, so the other one's buffers are free;
+  // and as a rule the thread that has used them is here now.
   const bool changed_over = second_pass && threads_ <= 2;
   const int buffers = changed_over ? firstOf(1 - sweep) + place : strip;
   return {strip,
@@ -123,10 +124,12 @@ bool Strips::meetsOtherSweep(int strip) const {
 
 bool Strips::tryToTake(int strip) {
   Strip& free = strips_[strip];
-  if (free.taken || !canGoOn(strip) || free.taken.exchange(true)) return false;
-  if (!canGoOn(strip)) {
-    leave(strip);  // another thread had it in between
-    return false;
+  for (;;) {
+    if (!isFree(strip) || free.taken.exchange(true)) return false;
+    if (canGoOn(strip)) break;
+    // Another thread had it in between. Whoever has just found it taken counts on this one, so it
+    // must look again.
+    leave(strip);
   }
   free.wanted = false;
   return true;
@@ -161,6 +164,7 @@ int Strips::findJoined(int own) const {
 
 void Strips::leave(int strip) {
   Strip& left = strips_[strip];
+  left.cpu = kNoCpu;
   left.taken = false;
   if (left.sleepers == 0) return;
   { const std::lock_guard<std::mutex> lock(left.mutex); }
@@ -182,10 +186,9 @@ void Strips::reach(int strip, int stage) {
 bool Strips::waitInHand(int strip) {
   if (isFinished(strip)) return false;
   const Need need = needOf(strip);
-  const Strip& other = strips_[need.strip];
-  const auto changed = [&] { return isMet(need) || !other.taken; };
+  const auto changed = [&] { return hasChanged(need); };
   std::atomic<int>& spins = strips_[strip].spins;
-  if (!changed() && sharesMyCpu(other.cpu)) return false;
+  if (!changed() && sharesMyCpu(strips_[need.strip].cpu)) return false;
   if (spinUntil(changed, spins)) {
     spins = std::min(2 * spins, kMostSpins);
   } else {
@@ -195,7 +198,7 @@ bool Strips::waitInHand(int strip) {
 }
 
 Strips::Need Strips::findHolder(int strip) const {
-  Need need{strip, kNever};
+  Need need{strip, strips_[strip].stage + 1};
   while (!strips_[need.strip].taken) {
     const Need next = needOf(need.strip);
     if (isMet(next)) return {need.strip, 0};
@@ -216,12 +219,12 @@ int Strips::take(int* own) {
       if (joined < 0 && isFinished(*own)) return -1;
       if (joined >= 0) *own = joined;
     }
-    strips_[*own].wanted = true;
     const Need need = findHolder(*own);
     if (need.stage == 0) continue;
     // To take turns with a thread on the same core is slower than to leave it all to that one.
     if (sharesMyCpu(strips_[need.strip].cpu)) return -1;
-    if (!spinUntil([&] { return canGoOn(*own); }, strips_[*own].spins)) sleepFor(need);
+    strips_[*own].wanted = true;
+    if (!spinUntil([&] { return hasChanged(need); }, strips_[*own].spins)) sleepFor(need);
   }
 }
 
@@ -231,7 +234,7 @@ void Strips::sleepFor(const Need& need) {
   ++other.sleepers;
   for (;;) {
     other.awaited = std::min<int>(other.awaited, need.stage);
-    if (isMet(need) || !other.taken) break;
+    if (hasChanged(need)) break;
     other.changed.wait(lock);
   }
   --other.sleepers;

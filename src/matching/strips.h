@@ -50,7 +50,7 @@ class Strips {
   /// A band of one of the strips.
   struct Part {
     int strip;         // of both sweeps': first those of the downward one
-    int buffers;       // the strip whose buffers its thread has
+    int buffers;       // the strip whose buffers it uses: in two threads' second passes the other's
     int sweep;         // kDown or kUp
     int band;          // along the sweep
     int begin, end;    // the strip's steps, or its joined neighbour's, too
@@ -95,7 +95,7 @@ class Strips {
       if (!changes_over) continue;
       own = std::exchange(across, kNobody);
       // The other thread leaves it within a moment; if it does not, take() finds what there is.
-      spinUntil([&] { return !strips_[own].taken && canGoOn(own); }, kMostSpins);
+      spinUntil([&] { return isFree(own); }, kMostSpins);
     }
   }
 
@@ -130,13 +130,14 @@ class Strips {
   void runStage(int strip, const Prepare& prepare, const Work& work) {
     const int stage = strips_[strip].stage, band = stage / kStages;
     strips_[strip].cpu = currentCpu();
+    bool whole = false;
     if (stage % kStages == 0) {
       if (*stop_) return reach(strip, kStages * bands_.count());
       // The other sweep may have begun with the band just now.
       if (!claim(strip, band) && !canGoOn(strip)) return;
+      whole = perSweep() == 1 || tryToJoin(strip, stage);
+      takeTurn(strip, band, whole);
     }
-    const bool whole = stage % kStages == 0 && (perSweep() == 1 || tryToJoin(strip, stage));
-    if (stage % kStages == 0) takeTurn(strip, band, whole);
     Part part = partOf(strip, band);
     const int begin = part.begin, end = part.end;
     if (whole) {
@@ -175,14 +176,18 @@ class Strips {
   }
   // Of a sweep, before which its first band is.
   int turnOf(int sweep, int band) const { return band < 0 ? 0 : turns_[sweep][band]; }
-  // The first strip of a sweep that begins with a band, or with the whole of it, sets its turn.
+  // Sets a band's turn, if this is its sweep's first strip, which begins with it or takes the
+  // whole.
   void takeTurn(int strip, int band, bool whole);
   // Claims a band's first pass for a strip's sweep; whether it has it.
   bool claim(int strip, int band);
   Need needOf(int strip) const;
   bool isMet(const Need& need) const { return strips_[need.strip].stage >= need.stage; }
+  // Whether it is met, or nobody works on it any more.
+  bool hasChanged(const Need& need) const { return isMet(need) || !strips_[need.strip].taken; }
   bool isFinished(int strip) const { return strips_[strip].stage >= kStages * bands_.count(); }
   bool canGoOn(int strip) const;
+  bool isFree(int strip) const { return !strips_[strip].taken && canGoOn(strip); }
   // Whether a strip can go on, and the other sweep has finished the band that comes next.
   bool meetsOtherSweep(int strip) const;
   bool tryToTake(int strip);
@@ -201,7 +206,8 @@ class Strips {
   void reach(int strip, int stage);
   // Whether what a strip in hand needs comes within a short wait.
   bool waitInHand(int strip);
-  // The strip in somebody's hand that `strip` waits for in the end; a stage of 0 if there is none.
+  // The strip in somebody's hand that `strip` waits for in the end, or `strip` itself and its next
+  // stage; a stage of 0 if there is none.
   Need findHolder(int strip) const;
   void sleepFor(const Need& need);
 

@@ -45,7 +45,7 @@ class Sweeps {
   double censusTime() const;
 
  private:
-  // What the thread that works on a strip needs, on cache lines of its own.
+  // What the thread that works on a strip (Strips::Part::buffers) needs, on cache lines of its own.
   struct alignas(64) Worker {
     AlignedBuffer<std::uint8_t> penalties;  // [row of the band][penaltyPlace()]
     RowBuffers buffers;

@@ -51,7 +51,7 @@ class ThreadPool {
   std::vector<Part> parts_;
   std::atomic<int> unfinished_{0};
   std::atomic<int> caller_cpu_;
-  std::atomic<int> worker_cpu_;  // of the worker that took a part last
+  std::atomic<int> worker_cpu_;  // of the worker that came to a job last
   std::atomic<bool> stop_{false};
 };
 
