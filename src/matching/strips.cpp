@@ -73,11 +73,10 @@ void Strips::assign(const PathPlan& plan, int threads, const std::atomic<bool>* 
 
 Strips::Part Strips::partOf(int strip, int band) const {
   const int sweep = sweepOf(strip), place = strip % perSweep();
-  const bool second_pass = claims_[claimPlace(sweep, band)] != sweep;
+  const bool second_pass = isOfOtherSweep(sweep, band);
   // Once the sweeps have met neither has a first pass left, so the other one's buffers are free;
   // and as a rule the thread that has used them is here now.
-  const bool changed_over = second_pass && threads_ <= 2;
-  const int buffers = changed_over ? firstOf(1 - sweep) + place : strip;
+  const int buffers = second_pass && threads_ <= 2 ? firstOf(1 - sweep) + place : strip;
   return {strip,
           buffers,
           sweep,
@@ -108,7 +107,7 @@ Strips::Need Strips::needOf(int strip) const {
   if (begins && place > 0) return {strip - 1, band_begin + kStages};
   if (ends && place + 1 < perSweep()) return {strip + 1, band_begin - kStages + 1};
   // What the other sweep has begun with it must have finished, the last of its strips last.
-  if (begins && band < bands_.count() && claims_[claimPlace(sweep, band)] == 1 - sweep) {
+  if (begins && band < bands_.count() && isOfOtherSweep(sweep, band)) {
     return {firstOf(2 - sweep) - 1, (bands_.opposite(band) + 1) * kStages};
   }
   return {strip, stage};
@@ -117,9 +116,8 @@ Strips::Need Strips::needOf(int strip) const {
 bool Strips::canGoOn(int strip) const { return !isFinished(strip) && isMet(needOf(strip)); }
 
 bool Strips::meetsOtherSweep(int strip) const {
-  const int stage = strips_[strip].stage, sweep = sweepOf(strip);
-  return stage % kStages == 0 && canGoOn(strip) &&
-         claims_[claimPlace(sweep, stage / kStages)] == 1 - sweep;
+  const int stage = strips_[strip].stage;
+  return stage % kStages == 0 && canGoOn(strip) && isOfOtherSweep(sweepOf(strip), stage / kStages);
 }
 
 bool Strips::tryToTake(int strip) {

@@ -50,7 +50,7 @@ class Strips {
   /// A band of one of the strips.
   struct Part {
     int strip;         // of both sweeps': first those of the downward one
-    int buffers;       // the strip whose buffers it uses: in two threads' second passes the other's
+    int buffers;       // the strip whose buffers it uses: itself, or one of the other sweep's
     int sweep;         // kDown or kUp
     int band;          // along the sweep
     int begin, end;    // the strip's steps, or its joined neighbour's, too
@@ -174,7 +174,11 @@ class Strips {
   int claimPlace(int sweep, int band) const {
     return sweep == kDown ? band : bands_.opposite(band);
   }
-  // Of a sweep, before which its first band is.
+  // Whether the other sweep has claimed a band's first pass.
+  bool isOfOtherSweep(int sweep, int band) const {
+    return claims_[claimPlace(sweep, band)] == 1 - sweep;
+  }
+  // Of a band (BandTurns), or of none, above the first one.
   int turnOf(int sweep, int band) const { return band < 0 ? 0 : turns_[sweep][band]; }
   // Sets a band's turn, if this is its sweep's first strip, which begins with it or takes the
   // whole.
