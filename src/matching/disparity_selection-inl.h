@@ -49,9 +49,9 @@ constexpr int keyBits() {
   return kPadded > 0 && kPadded / 2 <= 1 << kFree ? kFree : kBlockBits;
 }
 
-/// Keys from this one on are those of no sum.
+/// The sum in the key of kNoSum.
 template <int kBits>
-constexpr std::uint16_t kNoKey = static_cast<std::uint16_t>(kNoSum << kBits);
+constexpr std::uint32_t kNoSumInKey = kNoSum >> kBits;
 
 template <int kBits>
 HWY_INLINE V16 SearchKeys(const ByteSums& sums, int block) {
@@ -74,11 +74,14 @@ HWY_INLINE auto FoldSums(V16 v) {
 #endif
 }
 
-// Smallest key of each of four vectors: 16 bits each, the first one lowest.
-HWY_INLINE std::uint64_t SmallestKeys(V16 a, V16 b, V16 c, V16 e) {
+using D16Block = hn::Full128<std::uint16_t>;
+using V16Block = hn::Vec<D16Block>;
+
+// Smallest key of each of four vectors, in the first four lanes.
+HWY_INLINE V16Block SmallestKeys(V16 a, V16 b, V16 c, V16 e) {
 #if AGS_PAIRWISE_MIN
   const auto all = vpminq_u16(vpminq_u16(a.raw, b.raw), vpminq_u16(c.raw, e.raw));
-  return vgetq_lane_u64(vreinterpretq_u64_u16(vpminq_u16(all, all)), 0);
+  return V16Block{vpminq_u16(all, all)};
 #else
   const D16 d;
   const hn::Repartition<std::uint32_t, D16> d32;
@@ -88,88 +91,83 @@ HWY_INLINE std::uint64_t SmallestKeys(V16 a, V16 b, V16 c, V16 e) {
   const auto ab = hn::BitCast(d32, merge16(a, b)), ce = hn::BitCast(d32, merge16(c, e));
   const V16 all = hn::Min(hn::BitCast(d, hn::InterleaveLower(d32, ab, ce)),
                           hn::BitCast(d, hn::InterleaveUpper(d32, ab, ce)));
-  const hn::Full128<std::uint16_t> d128;
-  auto block = FoldSums(all);
-  block = hn::Min(block, hn::ShiftRightBytes<8>(d128, block));
-  return hn::GetLane(hn::BitCast(hn::Full128<std::uint64_t>(), block));
+  const V16Block block = FoldSums(all);
+  return hn::Min(block, hn::ShiftRightBytes<8>(D16Block(), block));
 #endif
 }
 
-// The winning place among the sums of one parity, by the smallest key and the keys it is among.
-// kPadded: the padded range if known, else 0.
+// Takes the first four keys apart: the number below the sum (low half) and the sum.
+template <int kBits>
+HWY_INLINE void StoreHalves(V16Block keys, std::uint32_t* halves_of_keys) {
+  const D16Block d;
+  const V16Block low = hn::And(keys, hn::Set(d, static_cast<std::uint16_t>((1 << kBits) - 1)));
+  const V16Block halves = hn::InterleaveLower(d, low, hn::ShiftRight<kBits>(keys));
+  hn::Store(halves, d, reinterpret_cast<std::uint16_t*>(halves_of_keys));
+}
+
+// The winning place among the sums of one parity, by the number below the sum in the smallest key
+// and the keys that this is among. kPadded: the padded range if known, else 0.
 template <int kBits, int kPadded>
-HWY_INLINE int PlaceOfKey(std::uint16_t key, const std::uint16_t* keys) {
+HWY_INLINE std::uint32_t PlaceOfKey(std::uint32_t number, std::uint32_t sum,
+                                    const std::uint16_t* keys) {
   const D16 d;
-  const int number = key & ((1 << kBits) - 1), lanes = static_cast<int>(hn::Lanes(d));
   if (kBits > kBlockBits) return number;
-  const auto found = hn::Eq(hn::Load(d, keys), hn::Set(d, key));
-  const int lane = static_cast<int>(hn::FindKnownFirstTrue(d, found));
-  return kPadded > 0 && kPadded / 2 <= lanes ? lane : number * lanes + lane;
+  const auto key = hn::Set(d, static_cast<std::uint16_t>(sum << kBits | number));
+  const std::size_t lane = hn::FindKnownFirstTrue(d, hn::Eq(hn::Load(d, keys), key));
+  const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
+  const std::uint32_t first = kPadded > 0 && kPadded / 2 <= lanes ? 0 : number * lanes;
+  return first + static_cast<std::uint32_t>(lane);
 }
 
-// The disparities of a pixel that stay inside the right image: indices begin .. end - 1.
-struct Candidates {
-  int begin, end;
-  bool none() const { return begin >= end; }
-};
-
-HWY_INLINE Candidates FindCandidates(const SweepFrame& frame, int x) {
-  const int column = x - frame.min_disparity, range = frame.layout.range;
-  const int begin = std::clamp(column - (frame.width - 1), 0, range);
-  return {begin, std::clamp(column + 1, begin, range)};
+// 255 for those of a vector of columns of the right image that are outside of it, else 0.
+HWY_INLINE V8 OutsideColumns(const SweepFrame& frame, std::ptrdiff_t first) {
+  const D8 d;
+  if (allOutside(frame, first, hn::Lanes(d))) return hn::Set(d, std::uint8_t{255});
+  return hn::LoadU(d, frame.outside + first);
 }
 
-// Sums of a block beginning at disparity index `at` that are no candidate's become kNoSum.
-HWY_INLINE void KeepCandidates(const Candidates& candidates, int at, ByteSums* sums) {
+// Sums of a vector of disparities whose columns in the right image are outside of it become kNoSum.
+HWY_INLINE void KeepCandidates(const SweepFrame& frame, std::ptrdiff_t first, ByteSums* sums) {
   const D16 d;
-  const int lanes = static_cast<int>(hn::Lanes(D8()));
-  const V16 none = hn::Set(d, kNoSum);
-  // The even disparities among the first n, and the odd ones.
-  const auto firstEven = [&](std::size_t n) AGS_LAMBDA { return hn::FirstN(d, (n + 1) / 2); };
-  const auto firstOdd = [&](std::size_t n) AGS_LAMBDA { return hn::FirstN(d, n / 2); };
-  const std::size_t end = std::clamp(candidates.end - at, 0, lanes);
-  sums->even = hn::IfThenElse(firstEven(end), sums->even, none);
-  sums->odd = hn::IfThenElse(firstOdd(end), sums->odd, none);
-  if (candidates.begin <= at) return;
-  const std::size_t begin = std::min(candidates.begin - at, lanes);
-  sums->even = hn::IfThenElse(firstEven(begin), none, sums->even);
-  sums->odd = hn::IfThenElse(firstOdd(begin), none, sums->odd);
-}
-
-// Sums of a block beginning at disparity index `at` become kNoSum from index `range` on.
-HWY_INLINE void DropSumsBeyond(int range, int at, ByteSums* sums) {
-  if (at + static_cast<int>(hn::Lanes(D8())) <= range) return;
-  KeepCandidates({0, range}, at, sums);
+  const hn::Repartition<std::int16_t, D8> signed_d;
+  const auto outside = hn::BitCast(signed_d, OutsideColumns(frame, first));
+  const auto even = hn::ShiftRight<8>(hn::ShiftLeft<8>(outside)), odd = hn::ShiftRight<8>(outside);
+  sums->even = hn::Or(sums->even, hn::BitCast(d, even));
+  sums->odd = hn::Or(sums->odd, hn::BitCast(d, odd));
 }
 
 // A winning sum and its place among those of one parity.
 struct PlacedSum {
-  int place, sum;
+  std::uint32_t place, sum;
 };
 
 // The winner among the candidates, of which there is one at least, of any number of sums in memory;
-// the other sums become kNoSum.
-HWY_INLINE PlacedSum SearchCandidates(std::uint16_t* sums, int padded_range,
-                                      const Candidates& candidates) {
+// the other sums become kNoSum. column: of the first disparity in the right image.
+HWY_INLINE PlacedSum SearchCandidates(const SweepFrame& frame, std::ptrdiff_t column,
+                                      std::uint16_t* sums) {
   const D16 d;
   const int lanes = static_cast<int>(hn::Lanes(D8()));
+  const int padded_range = frame.layout.padded_range;
   std::uint16_t* odd_sums = OddSums(sums, padded_range);
-  PlacedSum best{0, 0x10000};
+  PlacedSum best{0, kNoSum + 1};
   for (int group = 0; group < padded_range; group += kSearchBlocks * lanes) {
     V16 keys = hn::Set(d, kNoSum);
     for (int block = 0; block < kSearchBlocks && group + block * lanes < padded_range; ++block) {
       const int at = group + block * lanes;
       ByteSums of_block(hn::Load(d, sums + at / 2), hn::Load(d, odd_sums + at / 2));
-      KeepCandidates(candidates, at, &of_block);
+      KeepCandidates(frame, column + at, &of_block);
       hn::Store(of_block.even, d, sums + at / 2);
       hn::Store(of_block.odd, d, odd_sums + at / 2);
       keys = hn::Min(keys, SearchKeys<kBlockBits>(of_block, block));
     }
-    const std::uint16_t key = static_cast<std::uint16_t>(SmallestKeys(keys, keys, keys, keys));
-    if (key >> kBlockBits < best.sum) {
+    alignas(16) std::uint32_t halves[4];
+    StoreHalves<kBlockBits>(SmallestKeys(keys, keys, keys, keys), halves);
+    const std::uint32_t number = lowHalf(halves[0]), sum = highHalf(halves[0]);
+    if (sum < best.sum) {
       alignas(64) std::uint16_t of_lanes[kMaxLanes / 2];
       hn::Store(keys, d, of_lanes);
-      best = {group / 2 + PlaceOfKey<kBlockBits, 0>(key, of_lanes), key >> kBlockBits};
+      const std::uint32_t first = static_cast<std::uint32_t>(group / 2);
+      best = {first + PlaceOfKey<kBlockBits, 0>(number, sum, of_lanes), sum};
     }
   }
   return best;
@@ -204,11 +202,12 @@ HWY_INLINE void PutNoWinner(const WinnerRow& row, std::ptrdiff_t x) {
 
 // Puts down the winner of pixel x, by its place among the sums of one parity and its sum; sums that
 // are no candidate's must be kNoSum.
-HWY_INLINE void PutWinner(const std::uint16_t* sums, int padded_range, int place, std::uint32_t sum,
+HWY_INLINE void PutWinner(const std::uint16_t* sums, int padded_range, const PlacedSum& winner,
                           const WinnerRow& row, std::ptrdiff_t x) {
-  row.found[x] = sum << 16 | static_cast<std::uint32_t>(place);
+  const std::uint32_t place = winner.place;
+  row.found[x] = winner.sum << 16 | place;
   // Low half first, as the CPUs that this is built for have it.
-  std::memcpy(row.odd + x, OddSums(sums, padded_range) + place - 1, sizeof(row.odd[x]));
+  std::memcpy(row.odd + x, OddSums(sums, padded_range) - 1 + place, sizeof(row.odd[x]));
   std::memcpy(row.even + x, sums + place, sizeof(row.even[x]));
 }
 
@@ -225,12 +224,14 @@ HWY_INLINE void MarkAmbiguous(const SweepFrame& frame, std::uint16_t* sums, int 
 
 // Puts down the winner of a pixel with more disparities than one search can take.
 HWY_INLINE void SelectAmongCandidates(const SweepFrame& frame, std::uint16_t* sums,
-                                      const Candidates& candidates, const WinnerRow& row,
+                                      std::ptrdiff_t column, const WinnerRow& row,
                                       std::ptrdiff_t x) {
   const PathLayout& layout = frame.layout;
-  if (candidates.none()) return PutNoWinner(row, x);
-  const PlacedSum best = SearchCandidates(sums, layout.padded_range, candidates);
-  PutWinner(sums, layout.padded_range, best.place, static_cast<std::uint32_t>(best.sum), row, x);
+  if (allOutside(frame, column, static_cast<std::size_t>(layout.range))) {
+    return PutNoWinner(row, x);
+  }
+  const PlacedSum best = SearchCandidates(frame, column, sums);
+  PutWinner(sums, layout.padded_range, best, row, x);
   if (frame.uniqueness_factor > 0) {
     MarkAmbiguous(frame, sums, layout.padded_range, row.found + x);
   }

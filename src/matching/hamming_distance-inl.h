@@ -83,18 +83,20 @@ struct CensusPlaces {
   std::ptrdiff_t column;  // of the first disparity in the mirrored row
 };
 
-// How far ahead a pixel's strings are fetched [bytes].
-constexpr int kCensusAhead = 24 * kCensusBytes;
+// Bytes from a pixel's string to the next one's.
+constexpr int kCensusStep = kCensusBytes;
 
-HWY_INLINE CensusPlaces FindCensus(const SweepFrame&, const SweepRow& row, std::ptrdiff_t x,
-                                   std::ptrdiff_t first_column, std::ptrdiff_t ahead) {
-  const std::ptrdiff_t column = first_column - x;
-  const std::uint8_t* left = row.left + kCensusBytes * (kCensusMargin + x);
-  const std::uint8_t* right = row.right + kCensusBytes * (kCensusMargin + column);
+// How far ahead a pixel's strings are fetched [bytes].
+constexpr int kCensusAhead = 24 * kCensusStep;
+
+HWY_INLINE CensusPlaces FindCensus(const SweepFrame&, const BandRow& row, std::ptrdiff_t x,
+                                   std::ptrdiff_t ahead) {
+  const std::uint8_t* left = row.left + kCensusStep * x;
+  const std::uint8_t* right = row.right - kCensusStep * x;
   // Among the many streams of path costs, hardware does not see that these two go on.
   __builtin_prefetch(left + ahead);
   __builtin_prefetch(right - ahead);
-  return {left, right, column};
+  return {left, right, row.first_column - x};
 }
 
 // Of nine vectors of strings, from a cache line's begin on, those wanted are strings t .. t + 63:
@@ -217,6 +219,9 @@ HWY_INLINE void OrderCensus(int width, CensusWindow window, const std::uint8_t* 
 
 #endif
 
+// Bytes from a pixel's string to the next one's, in each plane.
+constexpr int kCensusStep = 1;
+
 // How far ahead a pixel's bytes are fetched.
 constexpr int kCensusAhead = 72;
 
@@ -229,18 +234,17 @@ struct CensusPlaces {
   std::ptrdiff_t column;  // of the first disparity in the mirrored row
 };
 
-HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const SweepRow& row, std::ptrdiff_t x,
-                                   std::ptrdiff_t first_column, std::ptrdiff_t ahead) {
-  const std::ptrdiff_t column = first_column - x;
+HWY_INLINE CensusPlaces FindCensus(const SweepFrame& frame, const BandRow& row, std::ptrdiff_t x,
+                                   std::ptrdiff_t ahead) {
   const std::size_t stride = censusStride(frame.width);
-  const std::uint8_t* left = row.left + kCensusMargin + x;
-  const std::uint8_t* right = row.right + kCensusMargin + column;
+  const std::uint8_t* left = row.left + x;
+  const std::uint8_t* right = row.right - x;
   // Among the many streams of path costs, hardware does not see that these go on. One plane per
   // pixel in turn.
   const std::size_t plane = (x & (kCensusBytes - 1)) * stride;
   __builtin_prefetch(left + plane + ahead);
   __builtin_prefetch(right + plane - ahead);
-  return {left, right, stride, column};
+  return {left, right, stride, row.first_column - x};
 }
 
 // What the strings of a pixel and of a few vectors of disparities differ in, plane by plane.

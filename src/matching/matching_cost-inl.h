@@ -21,19 +21,12 @@ namespace hn = AGS_SIMD;
 // stands.
 HWY_INLINE V8 BorderCosts(const SweepFrame& frame, const CensusPlaces& at, int k) {
   const D8 d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
   const V8 largest = hn::Set(d, static_cast<std::uint8_t>(frame.window));
-  const auto lanesBefore = [&](std::ptrdiff_t index) AGS_LAMBDA {
-    return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(index - k, 0, lanes));
-  };
-  const std::size_t begin = lanesBefore(-at.column), end = lanesBefore(frame.width - at.column);
-  V8 costs = largest;
-  if (begin < end) {
-    HammingDistances<1>(frame.window, at, k, &costs);
-    costs = hn::IfThenElse(hn::FirstN(d, end), costs, largest);
-    if (begin > 0) costs = hn::IfThenElse(hn::FirstN(d, begin), largest, costs);
-  }
-  return costs;
+  const std::ptrdiff_t first = at.column + k;
+  if (allOutside(frame, first, hn::Lanes(d))) return largest;
+  V8 costs;
+  HammingDistances<1>(frame.window, at, k, &costs);
+  return hn::Min(hn::Or(costs, hn::LoadU(d, frame.outside + first)), largest);
 }
 
 }  // namespace HWY_NAMESPACE

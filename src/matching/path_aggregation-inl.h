@@ -55,9 +55,10 @@ struct LowSums {
   V8 low, last;
 };
 
-// The pixel that direction r comes from. Directions are in the order of the plan: the first two
-// belong to every pixel, the first four to cells of 8 paths, all to cells of 16. (du, dv) from the
-// predecessor to the pixel: (1, 0), (0, 1), (1, 1), (-1, 1), (2, 1), (-2, 1), (1, 2), (-1, 2).
+// The pixel that direction r comes from, of the row's pixel u (of a BandRow: at step u). Directions
+// are in the order of the plan: the first two belong to every pixel, the first four to cells of 8
+// paths, all to cells of 16. (du, dv) from the predecessor to the pixel: (1, 0), (0, 1), (1, 1),
+// (-1, 1), (2, 1), (-2, 1), (1, 2), (-1, 2).
 template <int kDirection>
 HWY_INLINE const std::uint8_t* Predecessor(const SweepRow& row, int u) {
   switch (kDirection) {
@@ -97,6 +98,13 @@ HWY_INLINE V8 SmallestAt(D8 d, const std::uint8_t* from) {
   return hn::BitCast(d, hn::Set(hn::Repartition<std::uint32_t, D8>(), four));
 }
 
+// The same address, whose origin compilers do not know: or else they put down, at every step, how
+// far from the row's first penalty those of all directions are, and load that again for each row.
+HWY_INLINE const std::uint8_t* Opaque(const std::uint8_t* address) {
+  asm("" : "+r"(address));
+  return address;
+}
+
 // One direction of one pixel, ready to go through the disparities.
 struct Path {
   const std::uint8_t* from;  // path costs at the predecessor, disparity 0
@@ -106,11 +114,12 @@ struct Path {
 };
 
 template <int kDirection>
-HWY_INLINE Path MakePath(D8 d, const SweepRow& row, int u, std::uint8_t* pixel, int padded_range) {
+HWY_INLINE Path MakePath(D8 d, const SweepRow& row, int u, const std::uint8_t* penalties,
+                         std::uint8_t* pixel, int padded_range) {
   const std::uint8_t* predecessor = Predecessor<kDirection>(row, u);
   const std::size_t block = kPixelHeader + kDirection * static_cast<std::size_t>(padded_range);
   const V8 smallest = SmallestAt(d, predecessor + kSmallestCopies * kDirection);
-  const V8 penalty = hn::Set(d, row.penalties[penaltyPlace(u, kDirection)]);
+  const V8 penalty = hn::Set(d, penalties[penaltyPlace(0, kDirection)]);
   return {predecessor + block, pixel + block, smallest, penalty};
 }
 
@@ -273,10 +282,11 @@ HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel
                                  Sums* sums) {
   const D8 d;
   const int lanes = static_cast<int>(hn::Lanes(d));
+  const std::uint8_t* penalties = Opaque(row.penalties + penaltyPlace(u, 0));
   Repeat<kDirections / 2>([&](auto pair_of) AGS_LAMBDA {
     constexpr int kA = 2 * decltype(pair_of)::value, kB = kA + 1;
-    const Path path_a = MakePath<kA>(d, row, u, pixel, padded_range);
-    const Path path_b = MakePath<kB>(d, row, u, pixel, padded_range);
+    const Path path_a = MakePath<kA>(d, row, u, penalties, pixel, padded_range);
+    const Path path_b = MakePath<kB>(d, row, u, penalties, pixel, padded_range);
     Repeat<kVectors>([&](auto vector) AGS_LAMBDA {
       constexpr int i = decltype(vector)::value;
       const int at = k + i * lanes;

@@ -71,13 +71,13 @@ HWY_ATTR void PenaltyRow(const std::uint8_t* current, const std::uint8_t* const*
   const D8 d;
   const PenaltyTable penalty_of(table);
   const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int u = begin; u < end; u += lanes) {
-    const V8 grey = hn::LoadU(d, current + u);
-    const int count = directions[u / kPenaltyBlock];
+  for (int step = begin; step < end; step += lanes) {
+    const V8 grey = hn::LoadU(d, current + step);
+    const int count = directions[step / kPenaltyBlock];
     for (int r = 0; r < count; ++r) {
-      const V8 other = hn::LoadU(d, previous[r] + u);
-      const V8 step = hn::Sub(hn::Max(grey, other), hn::Min(grey, other));
-      hn::Store(penalty_of.At(step), d, penalties + penaltyPlace(u, r));
+      const V8 other = hn::LoadU(d, previous[r] + step);
+      const V8 difference = hn::Sub(hn::Max(grey, other), hn::Min(grey, other));
+      hn::Store(penalty_of.At(difference), d, penalties + penaltyPlace(step, r));
     }
   }
 }

@@ -30,7 +30,7 @@ void PixelKinds::assign(const PathPlan& original, bool upward) {
   const PathPlan plan = upward ? turned(original) : original;
   const int width = plan.column_edges[3];
   stride_ = static_cast<std::size_t>(width) + 2 * kPathMargin;
-  blocks_ = (width + kPenaltyBlock - 1) / kPenaltyBlock;
+  blocks_ = (width + kLargestLag + kPenaltyBlock - 1) / kPenaltyBlock;
   tables_.assign(3 * stride_, kOutside);
   ends_.assign(3 * stride_, 0);
   directions_.assign(3 * static_cast<std::size_t>(blocks_), 0);
@@ -54,8 +54,10 @@ void PixelKinds::fillCell(const PathPlan& plan, int cell) {
       most_near = std::max(most_near, pathsAt(near));
     }
     kinds[u] = static_cast<std::uint8_t>(kindOf(paths) | (most_near > paths ? kClearRest : 0));
-    std::uint8_t& of_block = most[u / kPenaltyBlock];
-    of_block = std::max(of_block, static_cast<std::uint8_t>(paths / 2));
+    for (const int step : {u, u + kLargestLag}) {
+      std::uint8_t& of_block = most[step / kPenaltyBlock];
+      of_block = std::max(of_block, static_cast<std::uint8_t>(paths / 2));
+    }
   }
   int* ends = ends_.data() + cell * stride_ + kPathMargin;
   int next = width + kPathMargin;

@@ -34,8 +34,8 @@ class PixelKinds {
   /// For each u of row v the next one of another kind, or of the row's end.
   const int* ends(int v) const { return ends_.data() + cellOfRow(v) * stride_ + kPathMargin; }
 
-  /// Largest number of directions of any pixel of each block of kPenaltyBlock ones of row v: 2, 4
-  /// or 8.
+  /// Largest number of directions of any pixel that row v, wherever in a band it is, has in each
+  /// block of kPenaltyBlock steps: 2, 4 or 8.
   const std::uint8_t* directions(int v) const {
     return directions_.data() + cellOfRow(v) * static_cast<std::size_t>(blocks_);
   }

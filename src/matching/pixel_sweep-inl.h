@@ -49,17 +49,55 @@ enum class Place { kInner, kBorder, kLongRange };
 struct PixelCourse : Course {
   HWY_INLINE explicit PixelCourse(const SweepFrame& frame)
       : Course(frame.course),
-        first_column(frame.width - 1 + frame.min_disparity),
         census_ahead(along(kCensusAhead)),
         volume_ahead(along(kVolumeAhead) * frame.layout.padded_range) {}
 
   // How far ahead hardware is helped to fetch the volume, above all where a sweep goes down through
   // memory [px].
   static constexpr int kVolumeAhead = 4;
-  std::ptrdiff_t first_column;  // of pixel 0's first disparity in the mirrored row
   std::ptrdiff_t census_ahead;  // [bytes]
   std::ptrdiff_t volume_ahead;  // [numbers]
 };
+
+// 255 for those of a vector of disparities from index k on that are beyond the range, else 0.
+HWY_INLINE V8 BeyondRange(int range, int k) {
+  const D8 d;
+  const V8 none = hn::Zero(d), all = hn::Set(d, std::uint8_t{255});
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  if (k + lanes <= range) return none;
+  return hn::IfThenElse(hn::FirstN(d, std::max(0, range - k)), none, all);
+}
+
+// What all pixels of a run share.
+struct PixelConstants {
+  HWY_INLINE explicit PixelConstants(const SweepFrame& frame)
+      : penalty_small(hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small))),
+        beyond(BeyondRange(frame.layout.range,
+                           frame.layout.padded_range - static_cast<int>(hn::Lanes(D8())))) {}
+  V8 penalty_small;  // P1
+  V8 beyond;         // 255 for those of the last vector of disparities that are beyond the range
+};
+
+// Row r of a band as its steps go along it.
+HWY_INLINE BandRow AlongSteps(const SweepFrame& frame, const SweepRow& row, int r) {
+  BandRow by_step;
+  static_cast<SweepRow&>(by_step) = row;
+  const int steps = kBandLag * r;
+  for (PathRow* path_row : {&by_step.current, &by_step.above, &by_step.above_diagonals,
+                            &by_step.above_knights, &by_step.above2_knights}) {
+    *path_row -= steps;
+  }
+  by_step.kinds -= steps;
+  by_step.lag = frame.course.along(steps);
+  by_step.first_column = frame.width - 1 + frame.min_disparity + by_step.lag;
+  by_step.left += kCensusStep * (kCensusMargin - by_step.lag);
+  by_step.right += kCensusStep * (kCensusMargin + by_step.first_column);
+  by_step.volume -= by_step.lag * frame.layout.padded_range;
+  const WinnerRow& winners = row.winners;
+  by_step.winners = {winners.found - by_step.lag, winners.odd - by_step.lag,
+                     winners.even - by_step.lag};
+  return by_step;
+}
 
 // A pixel's work, specialised: kDirections 2, 4 or 8; kPadded the padded range if known at compile
 // time, else 0.
@@ -68,15 +106,16 @@ struct PixelSweep {
   static HWY_INLINE int PaddedRange(const SweepFrame& frame) {
     return kPadded ? kPadded : frame.layout.padded_range;
   }
-  // Costs, first half of the paths, volume. penalty_small: P1 in all lanes. `smallest` receives the
-  // smallest path costs of the directions, one in the lanes of each.
+  // Costs, first half of the paths, volume. `smallest` receives the smallest path costs of the
+  // directions, one in the lanes of each.
   static HWY_INLINE void First(const SweepFrame& frame, const PixelCourse& course,
-                               const SweepRow& row, int u, V8 penalty_small, V8* smallest) {
+                               const BandRow& row, int step, const PixelConstants& constants,
+                               V8* smallest) {
     const D8 d;
-    std::uint8_t* pixel = row.current[u];
-    const std::ptrdiff_t x = course.column(u);
+    std::uint8_t* pixel = row.current[step];
+    const std::ptrdiff_t x = course.column(step);
     std::uint16_t* volume = row.volume + x * PaddedRange(frame);
-    const CensusPlaces census = FindCensus(frame, row, x, course.first_column, course.census_ahead);
+    const CensusPlaces census = FindCensus(frame, row, x, course.census_ahead);
     ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));
@@ -87,11 +126,11 @@ struct PixelSweep {
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
         if constexpr (kPlace != Place::kInner) cost[i] = BorderCosts(frame, census, at);
-        cost[i] = EndCosts(frame, at, cost[i]);
+        cost[i] = EndCosts(frame, constants, at, cost[i]);
       }
       std::conditional_t<kDirections == 4, LowSums, ByteSums> sums[kVectors];
-      AggregateVectors<kDirections, kVectors>(row, u, pixel, PaddedRange(frame), cost, k,
-                                              penalty_small, smallest, sums);
+      AggregateVectors<kDirections, kVectors>(row, step, pixel, PaddedRange(frame), cost, k,
+                                              constants.penalty_small, smallest, sums);
       for (int i = 0; i < kVectors; ++i) Pack(frame, cost[i], sums[i], volume + k + i * lanes);
     });
   }
@@ -100,31 +139,33 @@ struct PixelSweep {
   // or, if kLongRange, the winner itself. kBits: of a key below the sum.
   template <int kBits>
   static HWY_INLINE void Second(const SweepFrame& frame, const PixelCourse& course,
-                                const SweepRow& row, int u, V8 penalty_small, V8* smallest,
-                                std::uint16_t* sums, std::uint16_t* keys) {
+                                const BandRow& row, int step, const PixelConstants& constants,
+                                V8* smallest, std::uint16_t* sums, std::uint16_t* keys) {
     const D8 d;
     const D16 d16;
-    const std::ptrdiff_t x = course.column(u);
-    std::uint8_t* pixel = row.current[u];
+    const std::ptrdiff_t x = course.column(step);
+    std::uint8_t* pixel = row.current[step];
     const std::uint16_t* volume = row.volume + x * PaddedRange(frame);
     Prefetch(frame, volume + course.volume_ahead);
     std::uint16_t* odd_sums = OddSums(sums, PaddedRange(frame));
-    const Candidates candidates = FindCandidates(frame, static_cast<int>(x));
+    const std::ptrdiff_t column = row.first_column - x;  // of the first disparity
     V16 best = hn::Zero(d16);
     ForAllVectors(frame, [&](auto count, int k) AGS_LAMBDA {
       constexpr int kVectors = decltype(count)::value;
       const int lanes = static_cast<int>(hn::Lanes(d));
       V8 cost[kVectors];
-      for (int i = 0; i < kVectors; ++i) cost[i] = UnpackCost(frame, volume, k + i * lanes);
+      for (int i = 0; i < kVectors; ++i) {
+        cost[i] = UnpackCost(frame, constants, volume, k + i * lanes);
+      }
       ByteSums part[kVectors];
-      AggregateVectors<kDirections, kVectors>(row, u, pixel, PaddedRange(frame), cost, k,
-                                              penalty_small, smallest, part);
+      AggregateVectors<kDirections, kVectors>(row, step, pixel, PaddedRange(frame), cost, k,
+                                              constants.penalty_small, smallest, part);
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;
         if (kDirections == 8) part[i].Finish();
         AddFirstPass(volume + at, &part[i]);
-        if (kPlace == Place::kInner) DropSumsBeyond(frame.layout.range, at, &part[i]);
-        if (kPlace == Place::kBorder) KeepCandidates(candidates, at, &part[i]);
+        DropSumsBeyond(frame, constants, at, &part[i]);
+        if (kPlace == Place::kBorder) KeepCandidates(frame, column + at, &part[i]);
         hn::Store(part[i].even, d16, sums + at / 2);
         hn::Store(part[i].odd, d16, odd_sums + at / 2);
         if (kPlace != Place::kLongRange) {
@@ -134,7 +175,7 @@ struct PixelSweep {
       }
     });
     if (kPlace == Place::kLongRange) {
-      SelectAmongCandidates(frame, sums, candidates, row.winners, x);
+      SelectAmongCandidates(frame, sums, column, row.winners, x);
     } else {
       hn::Store(best, d16, keys);
     }
@@ -149,7 +190,7 @@ struct PixelSweep {
       std::memset(pixel + kSmallestCopies * r, 0, kSmallestCopies);
       std::uint8_t* costs = pixel + kPixelHeader + r * padded;
       for (int k = 0; k < padded; k += lanes) {
-        hn::Store(EndCosts(frame, k, hn::Zero(d)), d, costs + k);
+        hn::Store(BeyondRange(frame.layout.range, k), d, costs + k);
       }
     }
   }
@@ -227,16 +268,19 @@ struct PixelSweep {
     for (int k = 0; k < PaddedRange(frame); k += kLine) __builtin_prefetch(volume + k);
   }
 
-  static HWY_INLINE V8 UnpackCost(const SweepFrame& frame, const std::uint16_t* volume, int k) {
+  static HWY_INLINE V8 UnpackCost(const SweepFrame& frame, const PixelConstants& constants,
+                                  const std::uint16_t* volume, int k) {
     const D8 d;
     const D16 d16;
     const V16 second = hn::Load(d16, volume + k + hn::Lanes(d16));
     if constexpr (kDirections == 2) return hn::BitCast(d, second);
-    if constexpr (kDirections == 4) return EndCosts(frame, k, CostOf(hn::BitCast(d, second)));
+    if constexpr (kDirections == 4) {
+      return EndCosts(frame, constants, k, CostOf(hn::BitCast(d, second)));
+    }
     const V16 mask = hn::Set(d16, kCostMask);
     const V16 even = hn::And(hn::Load(d16, volume + k), mask), odd = hn::And(second, mask);
     const V8 cost = hn::BitCast(d, hn::Or(even, hn::ShiftLeft<8>(odd)));
-    return EndCosts(frame, k, cost);
+    return EndCosts(frame, constants, k, cost);
   }
 
   // Without the bit of the sum.
@@ -244,13 +288,33 @@ struct PixelSweep {
     return hn::And(marked, hn::Set(D8(), static_cast<std::uint8_t>(kCostMask)));
   }
 
+  // Whether a vector of disparities from index k on goes beyond the range, or, where to act on it
+  // costs less than to ask, may do so: kernels of 16 paths keep the vector units busy, those of
+  // fewer all the rest.
+  static HWY_INLINE bool Ends(const SweepFrame& frame, int k) {
+    if (kPadded > 0 && (kLanes == 16 || k + kLanes < kPadded)) return false;
+    return (kPadded > 0 && kDirections < 8) || k + kLanes > frame.layout.range;
+  }
+
+  // 255 in the bytes beyond the range.
+  static HWY_INLINE V8 Beyond(const SweepFrame& frame, const PixelConstants& constants, int k) {
+    if (kPadded > 0) return constants.beyond;
+    return BeyondRange(frame.layout.range, k);
+  }
+
   // Beyond the range the cost is 255 (which the volume has no room for).
-  static HWY_INLINE V8 EndCosts(const SweepFrame& frame, int k, V8 cost) {
-    const D8 d;
-    const int range = frame.layout.range;
-    if (k + static_cast<int>(hn::Lanes(d)) <= range) return cost;
-    return hn::IfThenElse(hn::FirstN(d, std::max(0, range - k)), cost,
-                          hn::Set(d, std::uint8_t{255}));
+  static HWY_INLINE V8 EndCosts(const SweepFrame& frame, const PixelConstants& constants, int k,
+                                V8 cost) {
+    return Ends(frame, k) ? hn::Or(cost, Beyond(frame, constants, k)) : cost;
+  }
+
+  // And there are no sums. (The range is even, so both bytes of a lane are 255, or none.)
+  static HWY_INLINE void DropSumsBeyond(const SweepFrame& frame, const PixelConstants& constants,
+                                        int k, ByteSums* sums) {
+    if (!Ends(frame, k)) return;
+    const V16 none = hn::BitCast(D16(), Beyond(frame, constants, k));
+    sums->even = hn::Or(sums->even, none);
+    sums->odd = hn::Or(sums->odd, none);
   }
 
   // Adds what the first pass left, and the matching cost once for every path of both.

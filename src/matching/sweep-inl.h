@@ -29,30 +29,30 @@ constexpr int rowsTogether() {
   return 1;
 }
 
-// Rows r of a band at pixels step - kBandLag * r, for steps [begin, end).
+// Rows of a band for steps [begin, end).
 template <int kDirections, int kPadded, Place kPlace, bool kSecondPass>
-HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* rows, int row_count,
+HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const BandRow* rows, int row_count,
                                     int begin, int end) {
   using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
   constexpr int kBits = keyBits<kDirections, kPadded>();
   const PixelCourse course(frame);
-  WinnerSearch<kPadded, kPlace, kBits, kSecondPass, true> search(frame, course, rows, row_count);
-  const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
+  WinnerSearch<kPadded, kPlace, kBits, kSecondPass, true> search(frame, rows, row_count);
+  const PixelConstants constants(frame);
   const auto sweepTogether = [&](auto count, int first, int step) AGS_LAMBDA {
     constexpr int kCount = decltype(count)::value;
     V8 smallest[kCount * kDirections];
     Repeat<kCount>([&](auto i) AGS_LAMBDA {
       constexpr int kRow = decltype(i)::value;
-      const int r = first + kRow, u = step - kBandLag * r;
+      const int r = first + kRow;
       if constexpr (kSecondPass) {
-        Pixel::template Second<kBits>(frame, course, rows[r], u, penalty_small,
+        Pixel::template Second<kBits>(frame, course, rows[r], step, constants,
                                       smallest + kRow * kDirections, search.sums(step, r),
                                       search.keys(step, r));
       } else {
-        Pixel::First(frame, course, rows[r], u, penalty_small, smallest + kRow * kDirections);
+        Pixel::First(frame, course, rows[r], step, constants, smallest + kRow * kDirections);
       }
     });
-    const auto pixel = [&](int r) AGS_LAMBDA { return rows[r].current[step - kBandLag * r]; };
+    const auto pixel = [&](int r) AGS_LAMBDA { return rows[r].current[step]; };
     if constexpr (kCount == 1) return StoreSmallest<kDirections>(D8(), smallest, pixel(first));
     constexpr int kBytes = kSmallestCopies * kDirections;
     alignas(32) std::uint8_t bytes[kSmallestCopies * kSweepDirections];
@@ -64,8 +64,16 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
   constexpr int kTogether = rowsTogether<kDirections, kPadded>();
   for (int step = begin; step < end; ++step) {
     int r = 0;
-    for (; r + kTogether <= row_count; r += kTogether) {
-      sweepTogether(std::integral_constant<int, kTogether>(), r, step);
+    if (kTogether == kBandRows) {
+      // No loop, so that all rows' places are at fixed distances.
+      if (row_count == kBandRows) {
+        sweepTogether(std::integral_constant<int, kBandRows>(), 0, step);
+        r = kBandRows;
+      }
+    } else {
+      for (; r + kTogether <= row_count; r += kTogether) {
+        sweepTogether(std::integral_constant<int, kTogether>(), r, step);
+      }
     }
     if (kTogether > 1) {
       for (; r < row_count; ++r) sweepTogether(std::integral_constant<int, 1>(), r, step);
@@ -76,7 +84,7 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const SweepRow* row
 }
 
 template <int kPadded, Place kPlace, bool kSecondPass>
-HWY_INLINE void SweepKind(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
+HWY_INLINE void SweepKind(const SweepFrame& frame, const BandRow* rows, int row_count, int kind,
                           int begin, int end) {
   switch (kind) {
     case kTwo:
@@ -113,7 +121,7 @@ HWY_INLINE void Specialise(const SweepFrame& frame, bool inner, const F& f) {
 
 // A run of pixels of one kind.
 template <bool kSecondPass>
-HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row_count, int kind,
+HWY_ATTR void SweepPixels(const SweepFrame& frame, const BandRow* rows, int row_count, int kind,
                           bool inner, int begin, int end) {
   Specialise(frame, inner, [&](auto padded, auto place) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
@@ -122,33 +130,30 @@ HWY_ATTR void SweepPixels(const SweepFrame& frame, const SweepRow* rows, int row
   });
 }
 
-// Rows r of a band at pixels step - kBandLag * r, for steps [begin, end), whatever the kinds of
-// these pixels are.
+// Rows of a band for steps [begin, end), whatever the kinds of their pixels are.
 template <int kPadded, Place kPlace, bool kSecondPass>
-HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* rows, int row_count,
+HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const BandRow* rows, int row_count,
                                       int begin, int end) {
   const PixelCourse course(frame);
-  WinnerSearch<kPadded, kPlace, kBlockBits, kSecondPass, false> search(frame, course, rows,
-                                                                       row_count);
-  const V8 penalty_small = hn::Set(D8(), static_cast<std::uint8_t>(frame.penalty_small));
+  WinnerSearch<kPadded, kPlace, kBlockBits, kSecondPass, false> search(frame, rows, row_count);
+  const PixelConstants constants(frame);
   const auto sweepPixel = [&](auto directions, int r, int step) AGS_LAMBDA {
-    const int u = step - kBandLag * r;
     constexpr int kDirections = decltype(directions)::value;
     using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
     V8 smallest[kDirections];
     if constexpr (kSecondPass) {
-      Pixel::template Second<kBlockBits>(frame, course, rows[r], u, penalty_small, smallest,
+      Pixel::template Second<kBlockBits>(frame, course, rows[r], step, constants, smallest,
                                          search.sums(step, r), search.keys(step, r));
     } else {
-      Pixel::First(frame, course, rows[r], u, penalty_small, smallest);
+      Pixel::First(frame, course, rows[r], step, constants, smallest);
     }
-    StoreSmallest<kDirections>(D8(), smallest, rows[r].current[u]);
-    if ((rows[r].kinds[u] & kClearRest) != 0) Pixel::ClearRest(frame, rows[r].current[u]);
+    StoreSmallest<kDirections>(D8(), smallest, rows[r].current[step]);
+    if ((rows[r].kinds[step] & kClearRest) != 0) Pixel::ClearRest(frame, rows[r].current[step]);
   };
   for (int step = begin; step < end; ++step) {
     const ActiveRows active = findActiveRows(frame.width, row_count, step);
     for (int r = active.first; r < active.last; ++r) {
-      switch (rows[r].kinds[step - kBandLag * r] & ~kClearRest) {
+      switch (rows[r].kinds[step] & ~kClearRest) {
         case kTwo:
           sweepPixel(std::integral_constant<int, 2>(), r, step);
           break;
@@ -166,7 +171,7 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const SweepRow* r
 }
 
 template <bool kSecondPass>
-HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const SweepRow* rows, int row_count,
+HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const BandRow* rows, int row_count,
                                bool inner, int begin, int end) {
   Specialise(frame, inner, [&](auto padded, auto place) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
@@ -178,13 +183,14 @@ HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const SweepRow* rows, in
 template <bool kSecondPass>
 HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_count,
                         const StepRun* runs, std::size_t run_count) {
+  BandRow by_step[kBandRows];
+  for (int r = 0; r < row_count; ++r) by_step[r] = AlongSteps(frame, rows[r], r);
   for (const StepRun* run = runs; run != runs + run_count; ++run) {
     if (run->uniform) {
-      const int lag = kBandLag * run->rows.first;
-      SweepPixels<kSecondPass>(frame, rows + run->rows.first, run->rows.count(), run->kind,
-                               run->inner, run->begin - lag, run->end - lag);
+      SweepPixels<kSecondPass>(frame, by_step + run->rows.first, run->rows.count(), run->kind,
+                               run->inner, run->begin, run->end);
     } else {
-      SweepMixedPixels<kSecondPass>(frame, rows, row_count, run->inner, run->begin, run->end);
+      SweepMixedPixels<kSecondPass>(frame, by_step, row_count, run->inner, run->begin, run->end);
     }
   }
   if (frame.stream_volume) hwy::FlushStream();

@@ -29,6 +29,9 @@ constexpr int kBandRows = 4;
 /// ahead there, and one step more lets them reach the cache.
 constexpr int kBandLag = 3;
 
+/// How far the last row of a band stays behind the first one.
+constexpr int kLargestLag = kBandLag * (kBandRows - 1);
+
 /// Pixels without image on either side of a row of path costs.
 constexpr int kPathMargin = 2;
 
@@ -78,13 +81,14 @@ constexpr std::uint32_t lowHalf(std::uint32_t halves) { return halves & 0xFFFF; 
 constexpr std::uint32_t highHalf(std::uint32_t halves) { return halves >> 16; }
 constexpr std::uint16_t kNoSum = 0xFFFF;
 
-/// Where P2 of a pixel and direction stands in its row: blocks of pixels, direction by direction,
-/// so that it is written by vectors and read at fixed distances.
+/// Where P2 of a row's pixel at a step stands, and a direction: blocks of steps, direction by
+/// direction, so that it is written by vectors and read at fixed distances. The same for all rows
+/// of a band.
 constexpr int kPenaltyBlock = 64;
-constexpr std::size_t penaltyPlace(int u, int direction) {
+constexpr std::size_t penaltyPlace(int step, int direction) {
   constexpr std::size_t kBlock = kPenaltyBlock;
-  const std::size_t pixel = static_cast<std::size_t>(u);
-  return (pixel & ~(kBlock - 1)) * kSweepDirections + (pixel & (kBlock - 1)) + kBlock * direction;
+  const std::size_t place = static_cast<std::size_t>(step);
+  return (place & ~(kBlock - 1)) * kSweepDirections + (place & (kBlock - 1)) + kBlock * direction;
 }
 
 /// Bytes of a census string, whatever the window.
@@ -97,7 +101,7 @@ constexpr std::size_t censusRowBytes(int width) { return kCensusBytes * censusSt
 struct SweepRow {
   const std::uint8_t* kinds;      // [u], -kPathMargin .. width + kPathMargin - 1
   const int* kind_ends;           // [u] the next column of another kind
-  const std::uint8_t* penalties;  // P2 of eq. 7 at [penaltyPlace(u, direction)]
+  const std::uint8_t* penalties;  // P2 of eq. 7 at [penaltyPlace(step, direction)]
   PathRow current;
   PathRow above;              // the row above, for direction 1
   PathRow above_diagonals;    // for 2 and 3
@@ -109,6 +113,15 @@ struct SweepRow {
   WinnerRow winners;          // second pass only
 };
 
+/// A row of a band as kernels go along it: what belongs to its pixel at a step is found by the step
+/// and the image column of the band's first row there, which are the same for all rows of the band.
+struct BandRow : SweepRow {
+  // Kinds and path rows: [step]. Volume: [column * padded_range]. Winners: [column]. Census
+  // strings: `left` is that of column 0, `right` that of column 0's first disparity.
+  std::ptrdiff_t lag;           // image columns from the row's pixel to that of the first row
+  std::ptrdiff_t first_column;  // of column 0's first disparity in the mirrored row
+};
+
 /// Which way a sweep goes through the image's columns.
 struct Course {
   /// The image column of the sweep's column u, and how far it moves while u moves by `steps`.
@@ -118,6 +131,9 @@ struct Course {
   /// Downwards 0 and 0, upwards -1 and the width.
   std::ptrdiff_t flip = 0, origin = 0;
 };
+
+/// Most lanes of any target's byte vectors.
+constexpr int kMaxLanes = 64;
 
 /// Vectors of disparities among which one search can find a winner.
 constexpr int kSearchBlocks = 16;
@@ -135,13 +151,21 @@ struct SweepFrame {
   PathLayout layout;
   /// More disparities than one search for a winner can take.
   bool long_range = false;
+  /// 255 where a column is outside of the image, else 0: [column], -kMaxLanes .. width + kMaxLanes
+  /// -
+  /// 1. The same if it is mirrored.
+  const std::uint8_t* outside = nullptr;
   /// Write the volume past the caches: nobody would find it there in time, or only at the cost of
   /// another thread.
   bool stream_volume = false;
 };
 
-/// Most lanes of any target's byte vectors.
-constexpr int kMaxLanes = 64;
+/// Whether all of `count` columns from `first` on are outside of the image.
+inline bool allOutside(const SweepFrame& frame, std::ptrdiff_t first, std::size_t count) {
+  // Unsigned, so that one comparison tells both sides.
+  const std::size_t last = static_cast<std::size_t>(first) + count - 1;
+  return last >= static_cast<std::size_t>(frame.width) + count - 1;
+}
 
 /// Lanes of the SIMD target's byte vectors; padded_range must be a multiple.
 int sweepLanes();
@@ -178,11 +202,11 @@ void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, 
 void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count,
                    const StepRun* runs, std::size_t run_count);
 
-/// P2 of eq. 7 for pixels [begin, end) of a row and each direction: penalties[penaltyPlace(u, r)]
-/// is the entry of `table` (256, falling) for the grey-level step between current[u] and
-/// previous[r][u]. Of each block of kPenaltyBlock pixels only the first `directions` (2, 4 or 8)
-/// are needed. `begin` must be a block's. May write up to a vector's pixels beyond `end`, and read
-/// as many.
+/// P2 of eq. 7 for a row's pixels at steps [begin, end) and each direction:
+/// penalties[penaltyPlace(s, r)] is the entry of `table` (256, falling) for the difference of the
+/// grey levels current[s] and previous[r][s]. Of each block of kPenaltyBlock steps only the first
+/// `directions` (2, 4 or 8) are needed. `begin` must be a block's. May write up to a vector's
+/// pixels beyond `end`, and read as many.
 void penaltyRow(const std::uint8_t* current, const std::uint8_t* const* previous,
                 const std::uint8_t* directions, int begin, int end, const std::uint8_t* table,
                 std::uint8_t* penalties);

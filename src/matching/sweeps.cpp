@@ -55,6 +55,11 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
           : 0;
   frame.layout = makeLayout(config.disparity_range);
   frame.long_range = frame.layout.padded_range > kSearchBlocks * sweepLanes();
+  const std::size_t columns = static_cast<std::size_t>(width) + 2 * kMaxLanes;
+  outside_.reserve(columns);
+  std::fill_n(outside_.data(), columns, std::uint8_t{255});
+  std::fill_n(outside_.data() + kMaxLanes, width, std::uint8_t{0});
+  frame.outside = outside_.data() + kMaxLanes;
   fillPenaltyTable(config, penalty_table_);
   const std::size_t volume_size =
       static_cast<std::size_t>(width) * height * frame.layout.padded_range;
@@ -64,7 +69,8 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
   const int strips = Strips::perSweep(threads);
   bands_only_ = threads <= 2;
   kept_rows_ = threads == 1 ? kBandRows : threads == 2 ? kBandRows * Strips::kOpenBands : height;
-  penalty_stride_ = penaltyPlace((width + kPenaltyBlock - 1) / kPenaltyBlock * kPenaltyBlock, 0);
+  const int penalty_blocks = (width + kLargestLag + kPenaltyBlock - 1) / kPenaltyBlock;
+  penalty_stride_ = penaltyPlace(penalty_blocks * kPenaltyBlock, 0);
   workers_.resize(static_cast<std::size_t>(kSweeps) * strips);
   for (Worker& worker : workers_) worker.penalties.reserve(kBandRows * penalty_stride_);
   for (const int sweep : {kDown, kUp}) {
@@ -174,18 +180,21 @@ void Sweeps::fillPenalties(const SweepImages& images, const Strips::Part& part, 
   const int v = bands_[part.sweep].firstRow(part.band) + index;
   // The upward sweep reads the image turned by 180 degrees: mirrored, from the last row up.
   const PaddedImage& image = upward ? *images.left_mirrored : *images.left;
-  const auto pixels = [&](int of_v) { return image.row(upward ? frame.height - 1 - of_v : of_v); };
+  const int lag = kBandLag * index;
+  const auto pixelsByStep = [&](int of_v) {
+    return image.row(upward ? frame.height - 1 - of_v : of_v) - lag;
+  };
   constexpr int kStep[kSweepDirections][2] = {{1, 0}, {0, 1},  {1, 1}, {-1, 1},
                                               {2, 1}, {-2, 1}, {1, 2}, {-1, 2}};
   const std::uint8_t* previous[kSweepDirections];
   for (int r = 0; r < kSweepDirections; ++r) {
-    previous[r] = pixels(v - kStep[r][1]) - kStep[r][0];
+    previous[r] = pixelsByStep(v - kStep[r][1]) - kStep[r][0];
   }
   std::uint8_t* target = worker->penalties.data() + index * penalty_stride_;
-  const int begin = std::max(0, part.begin - kBandLag * index) & ~(kPenaltyBlock - 1);
-  const int end = std::min(frame.width, part.end - kBandLag * index);
-  penaltyRow(pixels(v), previous, kinds_[part.sweep].directions(v), begin, end, penalty_table_,
-             target);
+  const int begin = part.begin & ~(kPenaltyBlock - 1);
+  const int end = std::min(frame.width + lag, part.end);
+  penaltyRow(pixelsByStep(v), previous, kinds_[part.sweep].directions(v), begin, end,
+             penalty_table_, target);
   worker->rows[index].penalties = target;
 }
 

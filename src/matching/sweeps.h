@@ -79,6 +79,7 @@ class Sweeps {
 
   MatcherConfig config_;
   SweepFrame frames_[kSweeps];
+  AlignedBuffer<std::uint8_t> outside_;  // SweepFrame::outside
   Bands bands_[kSweeps];
   std::uint8_t penalty_table_[256] = {};
   PixelKinds kinds_[kSweeps];

@@ -26,27 +26,20 @@ namespace hn = AGS_SIMD;
 template <int kPadded, Place kPlace, int kBits, bool kSecondPass, bool kAllRows>
 class WinnerSearch {
  public:
-  HWY_INLINE WinnerSearch(const SweepFrame& frame, const PixelCourse& course, const SweepRow* rows,
-                          int row_count) {
+  HWY_INLINE WinnerSearch(const SweepFrame& frame, const BandRow* rows, int row_count) {
     if (!kSecondPass) return;
-    for (int r = 0; r < row_count; ++r) {
-      const std::ptrdiff_t lag = course.along(kBandLag * r);
-      const WinnerRow& row = rows[r].winners;
-      winners_[r] = {row.found - lag, row.odd - lag, row.even - lag};
-    }
-    for (auto& slot : sums_) {
-      for (auto& sums : slot) ClearGap(sums, PaddedRange(frame));
-    }
+    for (int r = 0; r < row_count; ++r) winners_[r] = rows[r].winners;
     // Rows that are searched without being there.
     const int first_spare = kAllRows ? row_count : 0;
-    for (auto& slot : keys_) {
-      for (int r = first_spare; r < kKeyRows; ++r) std::fill_n(slot[r], kKeys, kNoSum);
+    for (Slot& slot : slots_) {
+      for (auto& sums : slot.sums) ClearGap(sums, PaddedRange(frame));
+      for (int r = first_spare; r < kKeyRows; ++r) std::fill_n(slot.keys[r], kKeys, kNoSum);
     }
   }
 
   // Where the sums and the keys of row r's pixel at a step belong.
-  HWY_INLINE std::uint16_t* sums(int step, int r) { return sums_[slotOf(step)][r]; }
-  HWY_INLINE std::uint16_t* keys(int step, int r) { return keys_[slotOf(step)][r]; }
+  HWY_INLINE std::uint16_t* sums(int step, int r) { return slots_[slotOf(step)].sums[r]; }
+  HWY_INLINE std::uint16_t* keys(int step, int r) { return slots_[slotOf(step)].keys[r]; }
 
   // Goes on after the work of a step in which these rows had pixels; `begin` is the first step.
   HWY_INLINE void Advance(const SweepFrame& frame, const PixelCourse& course, int begin, int step,
@@ -86,9 +79,10 @@ class WinnerSearch {
     static_assert(kBandRows == 4, "four rows are searched together");
     const D16 d;
     const int slot = slotOf(step);
-    const auto* keys = keys_[slot] + (kAllRows ? 0 : active_[slot].first);
-    smallest_[slot] = SmallestKeys(hn::Load(d, keys[0]), hn::Load(d, keys[1]), hn::Load(d, keys[2]),
-                                   hn::Load(d, keys[3]));
+    const auto* keys = slots_[slot].keys + (kAllRows ? 0 : active_[slot].first);
+    const auto smallest = SmallestKeys(hn::Load(d, keys[0]), hn::Load(d, keys[1]),
+                                       hn::Load(d, keys[2]), hn::Load(d, keys[3]));
+    StoreHalves<kBits>(smallest, slots_[slot].smallest);
   }
 
   // all: the active rows if kAllRows.
@@ -97,34 +91,37 @@ class WinnerSearch {
     const int slot = slotOf(step);
     const int first = kAllRows ? 0 : active_[slot].first;
     const int count = kAllRows ? all.last : active_[slot].count();
-    const std::uint64_t smallest = smallest_[slot];
     const std::ptrdiff_t x = course.column(step);
     Repeat<kBandRows>([&](auto i) AGS_LAMBDA {
       constexpr int kRow = decltype(i)::value;
       if (kRow >= count) return;
       const int r = first + kRow;
-      const std::uint16_t key = static_cast<std::uint16_t>(smallest >> 16 * kRow);
-      if (kPlace == Place::kBorder && key >= kNoKey<kBits>) {
+      const std::uint32_t halves = slots_[slot].smallest[kRow];
+      const std::uint32_t number = lowHalf(halves), sum = highHalf(halves);
+      if (kPlace == Place::kBorder && sum == kNoSumInKey<kBits>) {
         return PutNoWinner(winners_[r], x);
       }
-      const int place = PlaceOfKey<kBits, kPadded>(key, keys_[slot][r]);
-      PutWinner(sums_[slot][r], PaddedRange(frame), place, std::uint32_t{key} >> kBits, winners_[r],
-                x);
+      const std::uint32_t place = PlaceOfKey<kBits, kPadded>(number, sum, slots_[slot].keys[r]);
+      PutWinner(slots_[slot].sums[r], PaddedRange(frame), {place, sum}, winners_[r], x);
     });
     if (frame.uniqueness_factor == 0) return;
     for (int r = first; r < first + count; ++r) {
       std::uint32_t* found = winners_[r].found + x;
       if (lowHalf(*found) == kNoWinner) continue;
-      MarkAmbiguous(frame, sums_[slot][r], PaddedRange(frame), found);
+      MarkAmbiguous(frame, slots_[slot].sums[r], PaddedRange(frame), found);
     }
   }
 
-  alignas(64) std::uint16_t sums_[kSlots][kBandRows][kSums];
-  alignas(64) std::uint16_t keys_[kSlots][kKeyRows][kKeys];
-  std::uint64_t smallest_[kSlots];
+  // One after the other, so that all is found from one address.
+  struct Slot {
+    alignas(64) std::uint16_t sums[kBandRows][kSums];
+    alignas(64) std::uint16_t keys[kKeyRows][kKeys];
+    // Of four rows: the number below the sum in the smallest key (low half), and the sum.
+    alignas(16) std::uint32_t smallest[kBandRows];
+  };
+  Slot slots_[kSlots];
   ActiveRows active_[kSlots];
-  // Of the band's rows, moved by their lag: at a step, the same column is that of all rows' pixels.
-  WinnerRow winners_[kBandRows];
+  WinnerRow winners_[kBandRows];  // of the band's rows
 };
 
 }  // namespace HWY_NAMESPACE
