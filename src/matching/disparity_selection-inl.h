@@ -49,10 +49,6 @@ constexpr int keyBits() {
   return kPadded > 0 && kPadded / 2 <= 1 << kFree ? kFree : kBlockBits;
 }
 
-/// The sum in the key of kNoSum.
-template <int kBits>
-constexpr std::uint32_t kNoSumInKey = kNoSum >> kBits;
-
 template <int kBits>
 HWY_INLINE V16 SearchKeys(const ByteSums& sums, int block) {
   const D16 d;
@@ -119,18 +115,12 @@ HWY_INLINE std::uint32_t PlaceOfKey(std::uint32_t number, std::uint32_t sum,
   return first + static_cast<std::uint32_t>(lane);
 }
 
-// 255 for those of a vector of columns of the right image that are outside of it, else 0.
-HWY_INLINE V8 OutsideColumns(const SweepFrame& frame, std::ptrdiff_t first) {
-  const D8 d;
-  if (allOutside(frame, first, hn::Lanes(d))) return hn::Set(d, std::uint8_t{255});
-  return hn::LoadU(d, frame.outside + first);
-}
-
-// Sums of a vector of disparities whose columns in the right image are outside of it become kNoSum.
+// Sums of a vector of disparities become kNoSum where their columns in the right image, from
+// `first` on, are outside of it.
 HWY_INLINE void KeepCandidates(const SweepFrame& frame, std::ptrdiff_t first, ByteSums* sums) {
   const D16 d;
   const hn::Repartition<std::int16_t, D8> signed_d;
-  const auto outside = hn::BitCast(signed_d, OutsideColumns(frame, first));
+  const auto outside = hn::BitCast(signed_d, hn::LoadU(D8(), frame.outside + first));
   const auto even = hn::ShiftRight<8>(hn::ShiftLeft<8>(outside)), odd = hn::ShiftRight<8>(outside);
   sums->even = hn::Or(sums->even, hn::BitCast(d, even));
   sums->odd = hn::Or(sums->odd, hn::BitCast(d, odd));
@@ -141,15 +131,15 @@ struct PlacedSum {
   std::uint32_t place, sum;
 };
 
-// The winner among the candidates, of which there is one at least, of any number of sums in memory;
-// the other sums become kNoSum. column: of the first disparity in the right image.
+// The winner among the candidates of any number of sums in memory; the other sums, and that of no
+// winner, become kNoSum. column: of the first disparity in the right image.
 HWY_INLINE PlacedSum SearchCandidates(const SweepFrame& frame, std::ptrdiff_t column,
                                       std::uint16_t* sums) {
   const D16 d;
   const int lanes = static_cast<int>(hn::Lanes(D8()));
   const int padded_range = frame.layout.padded_range;
   std::uint16_t* odd_sums = OddSums(sums, padded_range);
-  PlacedSum best{0, kNoSum + 1};
+  PlacedSum best{0, kNoSum};
   for (int group = 0; group < padded_range; group += kSearchBlocks * lanes) {
     V16 keys = hn::Set(d, kNoSum);
     for (int block = 0; block < kSearchBlocks && group + block * lanes < padded_range; ++block) {
@@ -194,12 +184,6 @@ HWY_INLINE bool HasRival(std::uint16_t* sums, int padded_range, int winner,
   return !hn::AllTrue(d, hn::Eq(below, hn::Zero(d)));
 }
 
-// Puts down that pixel x has no winner.
-HWY_INLINE void PutNoWinner(const WinnerRow& row, std::ptrdiff_t x) {
-  row.found[x] = kNoWinner | std::uint32_t{kNoSum} << 16;
-  row.odd[x] = row.even[x] = kNoSum | std::uint32_t{kNoSum} << 16;
-}
-
 // Puts down the winner of pixel x, by its place among the sums of one parity and its sum; sums that
 // are no candidate's must be kNoSum.
 HWY_INLINE void PutWinner(const std::uint16_t* sums, int padded_range, const PlacedSum& winner,
@@ -227,9 +211,6 @@ HWY_INLINE void SelectAmongCandidates(const SweepFrame& frame, std::uint16_t* su
                                       std::ptrdiff_t column, const WinnerRow& row,
                                       std::ptrdiff_t x) {
   const PathLayout& layout = frame.layout;
-  if (allOutside(frame, column, static_cast<std::size_t>(layout.range))) {
-    return PutNoWinner(row, x);
-  }
   const PlacedSum best = SearchCandidates(frame, column, sums);
   PutWinner(sums, layout.padded_range, best, row, x);
   if (frame.uniqueness_factor > 0) {

@@ -23,7 +23,9 @@ HWY_INLINE V8 BorderCosts(const SweepFrame& frame, const CensusPlaces& at, int k
   const D8 d;
   const V8 largest = hn::Set(d, static_cast<std::uint8_t>(frame.window));
   const std::ptrdiff_t first = at.column + k;
-  if (allOutside(frame, first, hn::Lanes(d))) return largest;
+  // Unsigned, so that one comparison tells both sides.
+  const std::size_t others = hn::Lanes(d) - 1, last = static_cast<std::size_t>(first) + others;
+  if (last >= static_cast<std::size_t>(frame.width) + others) return largest;
   V8 costs;
   HammingDistances<1>(frame.window, at, k, &costs);
   return hn::Min(hn::Or(costs, hn::LoadU(d, frame.outside + first)), largest);

@@ -44,12 +44,13 @@ HWY_INLINE int SubpixelOffset(int before, int sum, int after) {
 
 // What the winners' row says of a pixel's winner.
 struct Winner {
-  std::int32_t index, sum;  // of any, kNoSum if there is none
+  std::int32_t index, sum;  // of any
   std::int32_t disparity;   // of one that is unique, else kInvalidDisparity
+  std::int32_t none;        // -1 if there is no winner, else 0
 };
 
 // Masks instead of branches, which compilers would not turn into vectors.
-HWY_INLINE Winner ReadWinner(std::uint32_t found, std::uint32_t odd, std::uint32_t even,
+HWY_INLINE Winner ReadWinner(std::uint32_t found, std::uint32_t odd, std::uint32_t even, int shift,
                              int subpixel) {
   const int sum = static_cast<int>(highHalf(found));
   const int place = static_cast<int>(lowHalf(found & ~kNotUnique));
@@ -60,18 +61,20 @@ HWY_INLINE Winner ReadWinner(std::uint32_t found, std::uint32_t odd, std::uint32
   const int has_offset = subpixel & -((b != kNoSum) & (a != kNoSum) & (b + a > 2 * sum));
   const int index = 2 * place + is_odd;
   const int value = index * kDisparityScale + (SubpixelOffset(b, sum, a) & has_offset);
-  const int invalid = -static_cast<int>(found >> 15 & 1);  // kNotUnique; in kNoWinner, too
-  return {index, sum, (value & ~invalid) | (kInvalidDisparity & invalid)};
+  const int none = -static_cast<int>(sum >= sumLimit(shift));
+  const int invalid = -static_cast<int>((found & kNotUnique) != 0) | none;
+  return {index, sum, (value & ~invalid) | (kInvalidDisparity & invalid), none};
 }
 
 // Disparities of the unique winners, whether the right image agrees or not.
-HWY_NOINLINE HWY_ATTR void FindDisparities(const WinnerRow& winners, int width, int subpixel,
-                                           std::int16_t* __restrict disparity) {
+HWY_NOINLINE HWY_ATTR void FindDisparities(const WinnerRow& winners,
+                                           const std::uint8_t* __restrict shift, int width,
+                                           int subpixel, std::int16_t* __restrict disparity) {
   const std::uint32_t* __restrict found = winners.found;
   const std::uint32_t* __restrict odd = winners.odd;
   const std::uint32_t* __restrict even = winners.even;
   for (int x = 0; x < width; ++x) {
-    const Winner winner = ReadWinner(found[x], odd[x], even[x], subpixel);
+    const Winner winner = ReadWinner(found[x], odd[x], even[x], shift[x], subpixel);
     disparity[x] = static_cast<std::int16_t>(winner.disparity);
   }
 }
@@ -91,8 +94,8 @@ HWY_NOINLINE HWY_ATTR void FindClaims(const WinnerRow& winners,
   const std::uint32_t* __restrict odd = winners.odd;
   const std::uint32_t* __restrict even = winners.even;
   for (int x = 0; x < width; ++x) {
-    const Winner winner = ReadWinner(found[x], odd[x], even[x], subpixel);
-    const std::int32_t none = -static_cast<std::int32_t>(winner.sum == kNoSum);
+    const Winner winner = ReadWinner(found[x], odd[x], even[x], shift[x], subpixel);
+    const std::int32_t none = winner.none;
     const std::int32_t right = ((x - min_disparity - winner.index) & ~none) | (nowhere & none);
     place[x] = right;
     claim[x] = winner.sum << shift[x] << kIndexBits | winner.index;
@@ -179,7 +182,8 @@ HWY_ATTR void SelectConsistent(const WinnerRow& winners, const std::uint8_t* shi
 HWY_ATTR void SelectRow(const WinnerRow& winners, const std::uint8_t* shifts, int width,
                         const MatcherConfig& config, RowBuffers* buffers, std::int16_t* disparity) {
   const int subpixel = config.subpixel ? -1 : 0;
-  if (config.disp12_max_diff < 0) return FindDisparities(winners, width, subpixel, disparity);
+  if (config.disp12_max_diff < 0)
+    return FindDisparities(winners, shifts, width, subpixel, disparity);
   SelectConsistent(winners, shifts, width, subpixel, config, buffers, disparity);
 }
 

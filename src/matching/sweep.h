@@ -65,8 +65,8 @@ using PathRow = std::uint8_t* const*;
 /// The winners of a row's pixels, in halves of 16 bits, [x]. What they mean is told apart later, by
 /// vectors: for every pixel by itself it would take longer.
 struct WinnerRow {
-  /// Low: place of the winner's sum of path costs among those of the even or the odd disparities,
-  /// or kNoWinner; | kNotUnique. High: the sum.
+  /// Low: place of the winner's sum of path costs among those of the even or the odd disparities; |
+  /// kNotUnique. High: the sum, of a winner only if it is smaller than sumLimit().
   std::uint32_t* found;
   /// The odd disparities' sums before that place (low) and at it (high): those on either side of an
   /// even winner. kNoSum outside of the candidates.
@@ -75,11 +75,14 @@ struct WinnerRow {
   /// an odd winner. The winner is even if the first one is its sum.
   std::uint32_t* even;
 };
-constexpr std::uint32_t kNoWinner = 0xFFFF;
 constexpr std::uint32_t kNotUnique = 0x8000;
 constexpr std::uint32_t lowHalf(std::uint32_t halves) { return halves & 0xFFFF; }
 constexpr std::uint32_t highHalf(std::uint32_t halves) { return halves >> 16; }
 constexpr std::uint16_t kNoSum = 0xFFFF;
+
+/// Beyond all sums of a pixel with 16 paths (shift 0), 8 (1) or 4 (2), and in the bits of any key
+/// that hold such a sum (keyBits()) at most kNoSum.
+constexpr int sumLimit(int shift) { return 0xFFF >> shift; }
 
 /// Where P2 of a row's pixel at a step stands, and a direction: blocks of steps, direction by
 /// direction, so that it is written by vectors and read at fixed distances. The same for all rows
@@ -151,21 +154,13 @@ struct SweepFrame {
   PathLayout layout;
   /// More disparities than one search for a winner can take.
   bool long_range = false;
-  /// 255 where a column is outside of the image, else 0: [column], -kMaxLanes .. width + kMaxLanes
-  /// -
-  /// 1. The same if it is mirrored.
+  /// 255 where a column is outside of the image, else 0: [column], of any pixel's disparities. The
+  /// same if it is mirrored.
   const std::uint8_t* outside = nullptr;
   /// Write the volume past the caches: nobody would find it there in time, or only at the cost of
   /// another thread.
   bool stream_volume = false;
 };
-
-/// Whether all of `count` columns from `first` on are outside of the image.
-inline bool allOutside(const SweepFrame& frame, std::ptrdiff_t first, std::size_t count) {
-  // Unsigned, so that one comparison tells both sides.
-  const std::size_t last = static_cast<std::size_t>(first) + count - 1;
-  return last >= static_cast<std::size_t>(frame.width) + count - 1;
-}
 
 /// Lanes of the SIMD target's byte vectors; padded_range must be a multiple.
 int sweepLanes();

@@ -55,11 +55,12 @@ void Sweeps::prepare(int width, int height, const MatcherConfig& config, int thr
           : 0;
   frame.layout = makeLayout(config.disparity_range);
   frame.long_range = frame.layout.padded_range > kSearchBlocks * sweepLanes();
-  const std::size_t columns = static_cast<std::size_t>(width) + 2 * kMaxLanes;
-  outside_.reserve(columns);
-  std::fill_n(outside_.data(), columns, std::uint8_t{255});
-  std::fill_n(outside_.data() + kMaxLanes, width, std::uint8_t{0});
-  frame.outside = outside_.data() + kMaxLanes;
+  // A pixel's disparities begin at most so far outside, and end so much farther.
+  const int farthest = std::abs(config.min_disparity) + frame.layout.padded_range;
+  outside_.reserve(width + 2 * static_cast<std::size_t>(farthest));
+  std::fill_n(outside_.data(), width + 2 * farthest, std::uint8_t{255});
+  std::fill_n(outside_.data() + farthest, width, std::uint8_t{0});
+  frame.outside = outside_.data() + farthest;
   fillPenaltyTable(config, penalty_table_);
   const std::size_t volume_size =
       static_cast<std::size_t>(width) * height * frame.layout.padded_range;

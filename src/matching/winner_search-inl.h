@@ -98,16 +98,12 @@ class WinnerSearch {
       const int r = first + kRow;
       const std::uint32_t halves = slots_[slot].smallest[kRow];
       const std::uint32_t number = lowHalf(halves), sum = highHalf(halves);
-      if (kPlace == Place::kBorder && sum == kNoSumInKey<kBits>) {
-        return PutNoWinner(winners_[r], x);
-      }
       const std::uint32_t place = PlaceOfKey<kBits, kPadded>(number, sum, slots_[slot].keys[r]);
       PutWinner(slots_[slot].sums[r], PaddedRange(frame), {place, sum}, winners_[r], x);
     });
     if (frame.uniqueness_factor == 0) return;
     for (int r = first; r < first + count; ++r) {
       std::uint32_t* found = winners_[r].found + x;
-      if (lowHalf(*found) == kNoWinner) continue;
       MarkAmbiguous(frame, slots_[slot].sums[r], PaddedRange(frame), found);
     }
   }
