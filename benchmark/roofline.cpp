@@ -16,21 +16,21 @@ namespace hn = AGS_SIMD;
 // One pixel's eight paths, 64 disparities.
 HWY_INLINE void AggregatePixel(const SweepRow& row, int u, V8 cost_of_all, V8 penalty_small) {
   const D8 d;
+  const NearPlaces near{row.current[u], row.current[u - 1], row.above[u]};
   constexpr int kRange = 64;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  std::uint8_t* pixel = row.current[u];
   V8 smallest[kSweepDirections];
   for (int k = 0; k < kRange; k += lanes) {
     ByteSums sums[1];
-    AggregateVectors<kSweepDirections, 1>(row, u, pixel, kRange, &cost_of_all, k, penalty_small,
+    AggregateVectors<kSweepDirections, 1>(row, near, u, kRange, &cost_of_all, k, penalty_small,
                                           smallest, sums);
     sums[0].Finish();
     // The sums go where the smallest costs of no direction are, so that they are not optimised
     // away.
     hn::Store(hn::BitCast(d, hn::Xor(sums[0].even, sums[0].odd)), d,
-              pixel + kPixelHeader + kSweepDirections * kRange);
+              near.pixel + kPixelHeader + kSweepDirections * kRange);
   }
-  StoreSmallest<kSweepDirections>(d, smallest, pixel);
+  StoreSmallest<kSweepDirections>(d, smallest, near.pixel);
 }
 
 HWY_ATTR void Recurrence(const SweepRow* rows, int width, int pixels) {

@@ -55,17 +55,30 @@ struct LowSums {
   V8 low, last;
 };
 
+// Places of a pixel's path costs, and of those of the ones before and above it.
+struct NearPlaces {
+  std::uint8_t* pixel;
+  const std::uint8_t* before;
+  const std::uint8_t* above;
+};
+
+// Of row r's pixel at a step. The row above has had the pixel above kBandLag steps before.
+HWY_INLINE NearPlaces FindNear(StepPlaces places, int step, int r) {
+  const StepPlaces at = places + kPlacesPerStep * static_cast<std::ptrdiff_t>(step) + r;
+  return {at[1], at[1 - kPlacesPerStep], at[-kBandLag * kPlacesPerStep]};
+}
+
 // The pixel that direction r comes from, of the row's pixel u (of a BandRow: at step u). Directions
 // are in the order of the plan: the first two belong to every pixel, the first four to cells of 8
 // paths, all to cells of 16. (du, dv) from the predecessor to the pixel: (1, 0), (0, 1), (1, 1),
 // (-1, 1), (2, 1), (-2, 1), (1, 2), (-1, 2).
 template <int kDirection>
-HWY_INLINE const std::uint8_t* Predecessor(const SweepRow& row, int u) {
+HWY_INLINE const std::uint8_t* Predecessor(const SweepRow& row, const NearPlaces& near, int u) {
   switch (kDirection) {
     case 0:
-      return row.current[u - 1];
+      return near.before;
     case 1:
-      return row.above[u];
+      return near.above;
     case 2:
       return row.above_diagonals[u - 1];
     case 3:
@@ -114,13 +127,13 @@ struct Path {
 };
 
 template <int kDirection>
-HWY_INLINE Path MakePath(D8 d, const SweepRow& row, int u, const std::uint8_t* penalties,
-                         std::uint8_t* pixel, int padded_range) {
-  const std::uint8_t* predecessor = Predecessor<kDirection>(row, u);
+HWY_INLINE Path MakePath(D8 d, const SweepRow& row, const NearPlaces& near, int u,
+                         const std::uint8_t* penalties, int padded_range) {
+  const std::uint8_t* predecessor = Predecessor<kDirection>(row, near, u);
   const std::size_t block = kPixelHeader + kDirection * static_cast<std::size_t>(padded_range);
   const V8 smallest = SmallestAt(d, predecessor + kSmallestCopies * kDirection);
   const V8 penalty = hn::Set(d, penalties[penaltyPlace(0, kDirection)]);
-  return {predecessor + block, pixel + block, smallest, penalty};
+  return {predecessor + block, near.pixel + block, smallest, penalty};
 }
 
 // The path costs of a vector of disparities at the predecessor, and those one disparity below and
@@ -277,16 +290,16 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* to) {
 // transitions to the sums, which are not finished then. (The matching cost is added later, once for
 // all directions.)
 template <int kDirections, int kVectors, class Sums>
-HWY_INLINE void AggregateVectors(const SweepRow& row, int u, std::uint8_t* pixel, int padded_range,
-                                 const V8* cost, int k, V8 penalty_small, V8* smallest,
-                                 Sums* sums) {
+HWY_INLINE void AggregateVectors(const SweepRow& row, const NearPlaces& near, int u,
+                                 int padded_range, const V8* cost, int k, V8 penalty_small,
+                                 V8* smallest, Sums* sums) {
   const D8 d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const std::uint8_t* penalties = Opaque(row.penalties + penaltyPlace(u, 0));
   Repeat<kDirections / 2>([&](auto pair_of) AGS_LAMBDA {
     constexpr int kA = 2 * decltype(pair_of)::value, kB = kA + 1;
-    const Path path_a = MakePath<kA>(d, row, u, penalties, pixel, padded_range);
-    const Path path_b = MakePath<kB>(d, row, u, penalties, pixel, padded_range);
+    const Path path_a = MakePath<kA>(d, row, near, u, penalties, padded_range);
+    const Path path_b = MakePath<kB>(d, row, near, u, penalties, padded_range);
     Repeat<kVectors>([&](auto vector) AGS_LAMBDA {
       constexpr int i = decltype(vector)::value;
       const int at = k + i * lanes;

@@ -78,12 +78,12 @@ void PathRows::prepare(int width, const PathLayout& layout, int strips) {
   edges_.clear();
 }
 
-void PathRows::assign(const Bands& bands, const std::vector<int>& edges, const PixelKinds& kinds,
+bool PathRows::assign(const Bands& bands, const std::vector<int>& edges, const PixelKinds& kinds,
                       bool anew) {
   bands_ = bands;
   kinds_ = &kinds;
   const bool moved = edges_ != edges;
-  if (!moved && !anew) return;
+  if (!moved && !anew) return false;
   if (moved) {
     edges_.clear();  // no edges, until all that is made from them is there
     owners_.resize(row_pixels_);
@@ -94,6 +94,7 @@ void PathRows::assign(const Bands& bands, const std::vector<int>& edges, const P
   }
   placeLastButOneRows();
   edges_ = edges;
+  return true;
 }
 
 std::uint8_t* PathRows::boundaryPlace(int slot, int from_last, std::size_t i) {

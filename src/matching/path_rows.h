@@ -26,8 +26,9 @@ class PathRows {
   void prepare(int width, const PathLayout& layout, int strips);
 
   /// Must be called before a sweep. edges: of its strips. kinds: must be as they are until the
-  /// sweep ends; anew: whether they are others than in the last call.
-  void assign(const Bands& bands, const std::vector<int>& edges, const PixelKinds& kinds,
+  /// sweep ends; anew: whether they are others than in the last call. Returns whether what find()
+  /// has told is not valid any more.
+  bool assign(const Bands& bands, const std::vector<int>& edges, const PixelKinds& kinds,
               bool anew);
 
   /// Tells the places of row `row` of a band, and of the two rows above it.

@@ -83,19 +83,17 @@ HWY_INLINE BandRow AlongSteps(const SweepFrame& frame, const SweepRow& row, int 
   BandRow by_step;
   static_cast<SweepRow&>(by_step) = row;
   const int steps = kBandLag * r;
-  for (PathRow* path_row : {&by_step.current, &by_step.above, &by_step.above_diagonals,
-                            &by_step.above_knights, &by_step.above2_knights}) {
-    *path_row -= steps;
-  }
+  by_step.above_diagonals -= steps;
+  by_step.above_knights -= steps;
+  by_step.above2_knights -= steps;
   by_step.kinds -= steps;
-  by_step.lag = frame.course.along(steps);
-  by_step.first_column = frame.width - 1 + frame.min_disparity + by_step.lag;
-  by_step.left += kCensusStep * (kCensusMargin - by_step.lag);
+  const std::ptrdiff_t lag = frame.course.along(steps);
+  by_step.first_column = frame.width - 1 + frame.min_disparity + lag;
+  by_step.left += kCensusStep * (kCensusMargin - lag);
   by_step.right += kCensusStep * (kCensusMargin + by_step.first_column);
-  by_step.volume -= by_step.lag * frame.layout.padded_range;
+  by_step.volume -= lag * frame.layout.padded_range;
   const WinnerRow& winners = row.winners;
-  by_step.winners = {winners.found - by_step.lag, winners.odd - by_step.lag,
-                     winners.even - by_step.lag};
+  by_step.winners = {winners.found - lag, winners.odd - lag, winners.even - lag};
   return by_step;
 }
 
@@ -109,10 +107,9 @@ struct PixelSweep {
   // Costs, first half of the paths, volume. `smallest` receives the smallest path costs of the
   // directions, one in the lanes of each.
   static HWY_INLINE void First(const SweepFrame& frame, const PixelCourse& course,
-                               const BandRow& row, int step, const PixelConstants& constants,
-                               V8* smallest) {
+                               const BandRow& row, const NearPlaces& near, int step,
+                               const PixelConstants& constants, V8* smallest) {
     const D8 d;
-    std::uint8_t* pixel = row.current[step];
     const std::ptrdiff_t x = course.column(step);
     std::uint16_t* volume = row.volume + x * PaddedRange(frame);
     const CensusPlaces census = FindCensus(frame, row, x, course.census_ahead);
@@ -129,7 +126,7 @@ struct PixelSweep {
         cost[i] = EndCosts(frame, constants, at, cost[i]);
       }
       std::conditional_t<kDirections == 4, LowSums, ByteSums> sums[kVectors];
-      AggregateVectors<kDirections, kVectors>(row, step, pixel, PaddedRange(frame), cost, k,
+      AggregateVectors<kDirections, kVectors>(row, near, step, PaddedRange(frame), cost, k,
                                               constants.penalty_small, smallest, sums);
       for (int i = 0; i < kVectors; ++i) Pack(frame, cost[i], sums[i], volume + k + i * lanes);
     });
@@ -139,12 +136,12 @@ struct PixelSweep {
   // or, if kLongRange, the winner itself. kBits: of a key below the sum.
   template <int kBits>
   static HWY_INLINE void Second(const SweepFrame& frame, const PixelCourse& course,
-                                const BandRow& row, int step, const PixelConstants& constants,
-                                V8* smallest, std::uint16_t* sums, std::uint16_t* keys) {
+                                const BandRow& row, const NearPlaces& near, int step,
+                                const PixelConstants& constants, V8* smallest, std::uint16_t* sums,
+                                std::uint16_t* keys) {
     const D8 d;
     const D16 d16;
     const std::ptrdiff_t x = course.column(step);
-    std::uint8_t* pixel = row.current[step];
     const std::uint16_t* volume = row.volume + x * PaddedRange(frame);
     Prefetch(frame, volume + course.volume_ahead);
     std::uint16_t* odd_sums = OddSums(sums, PaddedRange(frame));
@@ -158,7 +155,7 @@ struct PixelSweep {
         cost[i] = UnpackCost(frame, constants, volume, k + i * lanes);
       }
       ByteSums part[kVectors];
-      AggregateVectors<kDirections, kVectors>(row, step, pixel, PaddedRange(frame), cost, k,
+      AggregateVectors<kDirections, kVectors>(row, near, step, PaddedRange(frame), cost, k,
                                               constants.penalty_small, smallest, part);
       for (int i = 0; i < kVectors; ++i) {
         const int at = k + i * lanes;

@@ -31,10 +31,13 @@ constexpr int rowsTogether() {
 
 // Rows of a band for steps [begin, end).
 template <int kDirections, int kPadded, Place kPlace, bool kSecondPass>
-HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const BandRow* rows, int row_count,
-                                    int begin, int end) {
+HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const BandRows& band, int begin,
+                                    int end) {
   using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
   constexpr int kBits = keyBits<kDirections, kPadded>();
+  const BandRow* rows = band.rows;
+  const int row_count = band.count;
+  const StepPlaces places = band.places;
   const PixelCourse course(frame);
   WinnerSearch<kPadded, kPlace, kBits, kSecondPass, true> search(frame, rows, row_count);
   const PixelConstants constants(frame);
@@ -45,14 +48,15 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const BandRow* rows
       constexpr int kRow = decltype(i)::value;
       const int r = first + kRow;
       if constexpr (kSecondPass) {
-        Pixel::template Second<kBits>(frame, course, rows[r], step, constants,
-                                      smallest + kRow * kDirections, search.sums(step, r),
-                                      search.keys(step, r));
+        Pixel::template Second<kBits>(frame, course, rows[r], FindNear(places, step, r), step,
+                                      constants, smallest + kRow * kDirections,
+                                      search.sums(step, r), search.keys(step, r));
       } else {
-        Pixel::First(frame, course, rows[r], step, constants, smallest + kRow * kDirections);
+        Pixel::First(frame, course, rows[r], FindNear(places, step, r), step, constants,
+                     smallest + kRow * kDirections);
       }
     });
-    const auto pixel = [&](int r) AGS_LAMBDA { return rows[r].current[step]; };
+    const auto pixel = [&](int r) AGS_LAMBDA { return FindNear(places, step, r).pixel; };
     if constexpr (kCount == 1) return StoreSmallest<kDirections>(D8(), smallest, pixel(first));
     constexpr int kBytes = kSmallestCopies * kDirections;
     alignas(32) std::uint8_t bytes[kSmallestCopies * kSweepDirections];
@@ -84,15 +88,15 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const BandRow* rows
 }
 
 template <int kPadded, Place kPlace, bool kSecondPass>
-HWY_INLINE void SweepKind(const SweepFrame& frame, const BandRow* rows, int row_count, int kind,
-                          int begin, int end) {
+HWY_INLINE void SweepKind(const SweepFrame& frame, const BandRows& band, int kind, int begin,
+                          int end) {
   switch (kind) {
     case kTwo:
-      return SweepRun<2, kPadded, kPlace, kSecondPass>(frame, rows, row_count, begin, end);
+      return SweepRun<2, kPadded, kPlace, kSecondPass>(frame, band, begin, end);
     case kFour:
-      return SweepRun<4, kPadded, kPlace, kSecondPass>(frame, rows, row_count, begin, end);
+      return SweepRun<4, kPadded, kPlace, kSecondPass>(frame, band, begin, end);
     case kEight:
-      return SweepRun<8, kPadded, kPlace, kSecondPass>(frame, rows, row_count, begin, end);
+      return SweepRun<8, kPadded, kPlace, kSecondPass>(frame, band, begin, end);
   }
 }
 
@@ -121,19 +125,21 @@ HWY_INLINE void Specialise(const SweepFrame& frame, bool inner, const F& f) {
 
 // A run of pixels of one kind.
 template <bool kSecondPass>
-HWY_ATTR void SweepPixels(const SweepFrame& frame, const BandRow* rows, int row_count, int kind,
-                          bool inner, int begin, int end) {
+HWY_ATTR void SweepPixels(const SweepFrame& frame, const BandRows& band, int kind, bool inner,
+                          int begin, int end) {
   Specialise(frame, inner, [&](auto padded, auto place) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
     constexpr Place kPlace = decltype(place)::value;
-    SweepKind<kPadded, kPlace, kSecondPass>(frame, rows, row_count, kind, begin, end);
+    SweepKind<kPadded, kPlace, kSecondPass>(frame, band, kind, begin, end);
   });
 }
 
 // Rows of a band for steps [begin, end), whatever the kinds of their pixels are.
 template <int kPadded, Place kPlace, bool kSecondPass>
-HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const BandRow* rows, int row_count,
-                                      int begin, int end) {
+HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const BandRows& band, int begin,
+                                      int end) {
+  const BandRow* rows = band.rows;
+  const int row_count = band.count;
   const PixelCourse course(frame);
   WinnerSearch<kPadded, kPlace, kBlockBits, kSecondPass, false> search(frame, rows, row_count);
   const PixelConstants constants(frame);
@@ -141,14 +147,15 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const BandRow* ro
     constexpr int kDirections = decltype(directions)::value;
     using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
     V8 smallest[kDirections];
+    const NearPlaces near = FindNear(band.places, step, r);
     if constexpr (kSecondPass) {
-      Pixel::template Second<kBlockBits>(frame, course, rows[r], step, constants, smallest,
+      Pixel::template Second<kBlockBits>(frame, course, rows[r], near, step, constants, smallest,
                                          search.sums(step, r), search.keys(step, r));
     } else {
-      Pixel::First(frame, course, rows[r], step, constants, smallest);
+      Pixel::First(frame, course, rows[r], near, step, constants, smallest);
     }
-    StoreSmallest<kDirections>(D8(), smallest, rows[r].current[step]);
-    if ((rows[r].kinds[step] & kClearRest) != 0) Pixel::ClearRest(frame, rows[r].current[step]);
+    StoreSmallest<kDirections>(D8(), smallest, near.pixel);
+    if ((rows[r].kinds[step] & kClearRest) != 0) Pixel::ClearRest(frame, near.pixel);
   };
   for (int step = begin; step < end; ++step) {
     const ActiveRows active = findActiveRows(frame.width, row_count, step);
@@ -171,26 +178,28 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const BandRow* ro
 }
 
 template <bool kSecondPass>
-HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const BandRow* rows, int row_count,
-                               bool inner, int begin, int end) {
+HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const BandRows& band, bool inner, int begin,
+                               int end) {
   Specialise(frame, inner, [&](auto padded, auto place) AGS_LAMBDA {
     constexpr int kPadded = decltype(padded)::value;
     constexpr Place kPlace = decltype(place)::value;
-    SweepMixed<kPadded, kPlace, kSecondPass>(frame, rows, row_count, begin, end);
+    SweepMixed<kPadded, kPlace, kSecondPass>(frame, band, begin, end);
   });
 }
 
 template <bool kSecondPass>
 HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_count,
-                        const StepRun* runs, std::size_t run_count) {
+                        StepPlaces places, const StepRun* runs, std::size_t run_count) {
   BandRow by_step[kBandRows];
   for (int r = 0; r < row_count; ++r) by_step[r] = AlongSteps(frame, rows[r], r);
   for (const StepRun* run = runs; run != runs + run_count; ++run) {
     if (run->uniform) {
-      SweepPixels<kSecondPass>(frame, by_step + run->rows.first, run->rows.count(), run->kind,
-                               run->inner, run->begin, run->end);
+      const int first = run->rows.first;
+      SweepPixels<kSecondPass>(frame, {by_step + first, run->rows.count(), places + first},
+                               run->kind, run->inner, run->begin, run->end);
     } else {
-      SweepMixedPixels<kSecondPass>(frame, by_step, row_count, run->inner, run->begin, run->end);
+      SweepMixedPixels<kSecondPass>(frame, {by_step, row_count, places}, run->inner, run->begin,
+                                    run->end);
     }
   }
   if (frame.stream_volume) hwy::FlushStream();

@@ -62,6 +62,13 @@ struct PathLayout {
 /// of the image, or that do not have such paths, are zero: paths start anew beside them.
 using PathRow = std::uint8_t* const*;
 
+/// Where the path costs of the pixels lie that a band's rows have at a step: [kPlacesPerStep * step
+/// + 1 + row]. The first place of a step is of the row above the band, as if it went ahead of the
+/// band's first row as rows of a band do. So kernels load the places of a pixel, the one before it
+/// and the one above it from a single table, whatever the row.
+using StepPlaces = std::uint8_t* const*;
+constexpr int kPlacesPerStep = kBandRows + 1;
+
 /// The winners of a row's pixels, in halves of 16 bits, [x]. What they mean is told apart later, by
 /// vectors: for every pixel by itself it would take longer.
 struct WinnerRow {
@@ -119,10 +126,17 @@ struct SweepRow {
 /// A row of a band as kernels go along it: what belongs to its pixel at a step is found by the step
 /// and the image column of the band's first row there, which are the same for all rows of the band.
 struct BandRow : SweepRow {
-  // Kinds and path rows: [step]. Volume: [column * padded_range]. Winners: [column]. Census
-  // strings: `left` is that of column 0, `right` that of column 0's first disparity.
-  std::ptrdiff_t lag;           // image columns from the row's pixel to that of the first row
+  // Kinds, above_diagonals, above_knights, above2_knights: [step] (the others are in StepPlaces).
+  // Volume: [column * padded_range]. Winners: [column]. Census strings: `left` is that of column 0,
+  // `right` that of column 0's first disparity.
   std::ptrdiff_t first_column;  // of column 0's first disparity in the mirrored row
+};
+
+/// Neighbouring rows of a band.
+struct BandRows {
+  const BandRow* rows;
+  int count;
+  StepPlaces places;  // [kPlacesPerStep * step] is of the row above the first of them
 };
 
 /// Which way a sweep goes through the image's columns.
@@ -192,9 +206,9 @@ struct StepRun {
 
 /// Run steps of one band of `row_count` <= kBandRows rows. At step s row r is at pixel
 /// s - kBandLag * r; the band is complete with steps 0 to width + kBandLag * (row_count - 1).
-void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, const StepRun* runs,
-                  std::size_t run_count);
-void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count,
+void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, StepPlaces places,
+                  const StepRun* runs, std::size_t run_count);
+void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count, StepPlaces places,
                    const StepRun* runs, std::size_t run_count);
 
 /// P2 of eq. 7 for a row's pixels at steps [begin, end) and each direction:

@@ -113,7 +113,9 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
   }
   strips_.assign(plan, threads_, &stop);
   for (const int sweep : {kDown, kUp}) {
-    path_rows_[sweep].assign(bands_[sweep], strips_.edges(sweep), kinds_[sweep], new_plan);
+    if (path_rows_[sweep].assign(bands_[sweep], strips_.edges(sweep), kinds_[sweep], new_plan)) {
+      for (Worker& worker : workers_) worker.band_places.forget();
+    }
   }
   plan_ = plan;
   pool->run([&](int thread) {
@@ -167,7 +169,8 @@ void Sweeps::workOnPart(const Strips::Part& part, int first, int last, cv::Mat* 
   const auto pass = part.second_pass ? runSecondPass : runFirstPass;
   const SweepFrame& frame = frames_[part.sweep];
   const auto& runs = worker.runs.find(frame, worker.rows, worker.row_count, first, last);
-  pass(frame, worker.rows, worker.row_count, runs.data(), runs.size());
+  const StepPlaces places = worker.band_places.find(worker.rows, worker.row_count, frame.width);
+  pass(frame, worker.rows, worker.row_count, places, runs.data(), runs.size());
   // A row is selected as a whole: at once, while it is in the cache, if a thread has whole rows.
   if (!bands_only_ || !part.second_pass || last < strips_.edges(part.sweep).back()) return;
   const int y = bands_[part.sweep].imageRow(part.band);

@@ -10,6 +10,7 @@
 #include "adaptive_grid_stereo/matching/padded_image.h"
 #include "adaptive_grid_stereo/path_plan.h"
 #include "src/matching/aligned_buffer.h"
+#include "src/matching/band_places.h"
 #include "src/matching/band_runs.h"
 #include "src/matching/bands.h"
 #include "src/matching/census_rows.h"
@@ -54,6 +55,7 @@ class Sweeps {
     // pixels are shown as zeros: [row of the band][which of these][u + kPathMargin].
     std::vector<std::uint8_t*> places[kBandRows][3];
     int row_count = 0;
+    BandPlaces band_places;
     BandRuns runs;
     double census_time = 0.0;  // [ms]
   };
