@@ -131,8 +131,9 @@ struct PlacedSum {
   std::uint32_t place, sum;
 };
 
-// The winner among the candidates of any number of sums in memory; the other sums, and that of no
-// winner, become kNoSum. column: of the first disparity in the right image.
+// The winner among the candidates of any number of sums in memory; the other sums become kNoSum.
+// Without any candidate, its sum is one from sumLimit() on. column: of the first disparity in the
+// right image.
 HWY_INLINE PlacedSum SearchCandidates(const SweepFrame& frame, std::ptrdiff_t column,
                                       std::uint16_t* sums) {
   const D16 d;

@@ -76,7 +76,7 @@ HWY_INLINE void OrderCensus(int width, CensusWindow window, const std::uint8_t* 
 }
 
 // Where the census strings of a pixel and of its first disparity stand. In the mirrored row,
-// disparity index k is k strings further, and the first disparity of pixel 0 at first_column.
+// disparity index k is k strings further.
 struct CensusPlaces {
   const std::uint8_t* left;
   const std::uint8_t* right;

@@ -6,8 +6,6 @@
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_MATCHING_COST_INL_H
 #endif
 
-#include <algorithm>
-
 #include "src/matching/hamming_distance-inl.h"
 #include "src/matching/path_aggregation-inl.h"
 #include "src/matching/sweep.h"

@@ -148,7 +148,8 @@ AGS_LANEWISE(SaturatedAdd, static_cast<T>(a + b) < a ? static_cast<T>(-1) : a + 
 
 template <int kBits, typename T, std::size_t N>
 Vector<T, N> ShiftLeft(Vector<T, N> v) {
-  for (T& lane : v.lane) lane = static_cast<T>(lane << kBits);
+  // Negative numbers must not be shifted left.
+  for (T& lane : v.lane) lane = static_cast<T>(static_cast<std::make_unsigned_t<T>>(lane) << kBits);
   return v;
 }
 template <int kBits, typename T, std::size_t N>

@@ -38,16 +38,15 @@ std::vector<int> Strips::divide(const PathPlan& plan, int count) {
     }
   }
   // A band's rows lag behind each other, so the edges lie half a band's lag farther.
-  constexpr int kLag = kBandLag * (kBandRows - 1);
   std::vector<int> edges(1, 0);
   for (int strip = 1; strip < count; ++strip) {
     const double share = work_before_[width] * strip / count;
     const auto place = std::lower_bound(work_before_.begin(), work_before_.end(), share);
-    const int step = static_cast<int>(place - work_before_.begin()) + kLag / 2;
+    const int step = static_cast<int>(place - work_before_.begin()) + kLargestLag / 2;
     edges.push_back(
         std::clamp(step, edges.back() + kNarrowest / 2, width - (count - strip) * kNarrowest / 2));
   }
-  edges.push_back(width + kLag);
+  edges.push_back(width + kLargestLag);
   return edges;
 }
 

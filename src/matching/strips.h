@@ -45,7 +45,7 @@ class Strips {
   /// a strip from which on the right neighbour's part of the band above is needed: row 0 at step s
   /// reads the last row of the band above, which is kBandRows - 1 rows behind, up to kPathMargin
   /// ahead.
-  static constexpr int kReach = kBandLag * (kBandRows - 1) + kPathMargin;
+  static constexpr int kReach = kLargestLag + kPathMargin;
 
   /// A band of one of the strips.
   struct Part {

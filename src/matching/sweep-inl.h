@@ -7,7 +7,6 @@
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_SWEEP_INL_H
 #endif
 
-#include <algorithm>
 #include <cstring>
 
 #include "src/matching/pixel_sweep-inl.h"
@@ -68,7 +67,7 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const BandRows& ban
   constexpr int kTogether = rowsTogether<kDirections, kPadded>();
   for (int step = begin; step < end; ++step) {
     int r = 0;
-    if (kTogether == kBandRows) {
+    if constexpr (kTogether == kBandRows) {
       // No loop, so that all rows' places are at fixed distances.
       if (row_count == kBandRows) {
         sweepTogether(std::integral_constant<int, kBandRows>(), 0, step);

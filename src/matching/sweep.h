@@ -126,7 +126,8 @@ struct SweepRow {
 /// A row of a band as kernels go along it: what belongs to its pixel at a step is found by the step
 /// and the image column of the band's first row there, which are the same for all rows of the band.
 struct BandRow : SweepRow {
-  // Kinds, above_diagonals, above_knights, above2_knights: [step] (the others are in StepPlaces).
+  // Kinds, above_diagonals, above_knights, above2_knights: [step] (of the other rows of path costs
+  // StepPlaces tells; kind_ends is as it was).
   // Volume: [column * padded_range]. Winners: [column]. Census strings: `left` is that of column 0,
   // `right` that of column 0's first disparity.
   std::ptrdiff_t first_column;  // of column 0's first disparity in the mirrored row

@@ -29,7 +29,8 @@ class PaddedImage {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// Pixel (0, y); columns -kImageMargin .. width + kImageMargin - 1 may be read.
+  /// Pixel (0, y); columns -kImageMargin .. n + kImageMargin - 1 may be read, where n is the width
+  /// rounded up to a multiple of 64.
   const std::uint8_t* row(int y) const {
     const int inside = y < 0 ? 0 : y >= height_ ? height_ - 1 : y;
     return pixels_.data() + static_cast<std::size_t>(inside) * stride_ + kImageMargin;
