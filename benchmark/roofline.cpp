@@ -55,14 +55,14 @@ HWY_EXPORT(Recurrence);
 std::int64_t runRecurrenceInCache(int pixels) {
   // Four rows take turns, each behind the one above, as in a band (or else a pixel would wait for
   // the one before it). The first one's row above is the last one. A ring of eight pixels each.
-  constexpr int kRange = 64, kRing = 8, kWidth = 64, kLag = kLargestLag;
+  constexpr int kRange = 64, kRing = 8, kWidth = 64;
   constexpr std::size_t kStride = kPixelHeader + (kSweepDirections + 1) * kRange;
   alignas(64) static std::uint8_t costs[kBandRows * kRing * kStride + kMaxLanes];
   static const std::vector<std::uint8_t> penalties(penaltyPlace(2 * kPenaltyBlock, 0), 40);
   std::vector<std::uint8_t*> places[kBandRows];
   SweepRow rows[kBandRows] = {};
   for (int r = 0; r < kBandRows; ++r) {
-    for (int i = 0; i < kWidth + kLag + 2 * kPathMargin; ++i) {
+    for (int i = 0; i < kWidth + kLargestLag + 2 * kPathMargin; ++i) {
       places[r].push_back(costs + (r * kRing + i % kRing) * kStride);
     }
   }

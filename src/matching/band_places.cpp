@@ -3,8 +3,10 @@
 namespace adaptive_grid_stereo {
 namespace {
 
-// Enough for the sets of places that bands near a border between two strips take in turn.
-constexpr std::size_t kMostTables = 8;
+// Enough for the sets of places that bands take in turn near borders between strips (BandTurns), up
+// to eight threads' four strips in each of the three rows of cells: or else each band would make a
+// table.
+constexpr std::size_t kMostTables = 64;
 
 // The first step that a table has: that of the first pixel of the row above the band.
 constexpr int kFirstStep = -kBandLag;
@@ -15,7 +17,7 @@ std::vector<std::uint8_t*> makePlaces(const std::array<PathRow, kPlacesPerStep>&
   for (int i = 0; i < kPlacesPerStep; ++i) {
     if (rows[i] == nullptr) continue;
     const int lag = kBandLag * (i - 1) - kFirstStep;
-    // The band's rows read the pixel before their first one, too.
+    // The pixel before the first one is read, too, of the band's rows.
     for (int u = i == 0 ? 0 : -1; u < width; ++u) {
       places[static_cast<std::size_t>(kPlacesPerStep) * (u + lag) + i] = rows[i][u];
     }

@@ -87,11 +87,15 @@ constexpr std::uint32_t lowHalf(std::uint32_t halves) { return halves & 0xFFFF; 
 constexpr std::uint32_t highHalf(std::uint32_t halves) { return halves >> 16; }
 constexpr std::uint16_t kNoSum = 0xFFFF;
 
-/// Beyond all sums of a pixel with 16 paths (shift 0), 8 (1) or 4 (2), and in the bits of any key
-/// that hold such a sum (keyBits()) at most kNoSum.
+/// Sums of a pixel with 16 paths (shift 0), 8 (1) or 4 (2) stay below; kNoSum, cut to the bits that
+/// a key has for them (keyBits()), does not.
 constexpr int sumLimit(int shift) { return 0xFFF >> shift; }
+constexpr int kLargestPathCost = static_cast<int>(CensusWindow::k9x7) + kLargestPenalty;
+static_assert(16 * kLargestPathCost < sumLimit(0) && 8 * kLargestPathCost < sumLimit(1) &&
+                  4 * kLargestPathCost < sumLimit(2),
+              "sums must stay below their limits");
 
-/// Where P2 of a row's pixel at a step stands, and a direction: blocks of steps, direction by
+/// Where P2 of a row's pixel at a step, for a direction, stands: blocks of steps, direction by
 /// direction, so that it is written by vectors and read at fixed distances. The same for all rows
 /// of a band.
 constexpr int kPenaltyBlock = 64;
