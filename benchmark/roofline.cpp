@@ -14,32 +14,32 @@ namespace HWY_NAMESPACE {
 namespace hn = AGS_SIMD;
 
 // One pixel's eight paths, 64 disparities.
-HWY_INLINE void AggregatePixel(const SweepRow& row, int u, V8 cost_of_all, V8 penalty_small) {
+HWY_INLINE void AggregatePixel(const SweepRow& row, const NearPlaces& near, int step,
+                               V8 cost_of_all, V8 penalty_small) {
   const D8 d;
-  const NearPlaces near{row.current[u], row.current[u - 1], row.above[u]};
   constexpr int kRange = 64;
   const int lanes = static_cast<int>(hn::Lanes(d));
   V8 smallest[kSweepDirections];
   for (int k = 0; k < kRange; k += lanes) {
     ByteSums sums[1];
-    AggregateVectors<kSweepDirections, 1>(row, near, u, kRange, &cost_of_all, k, penalty_small,
+    AggregateVectors<kSweepDirections, 1>(row, near, step, kRange, &cost_of_all, k, penalty_small,
                                           smallest, sums);
     sums[0].Finish();
     // The sums go where the smallest costs of no direction are, so that they are not optimised
     // away.
     hn::Store(hn::BitCast(d, hn::Xor(sums[0].even, sums[0].odd)), d,
-              near.pixel + kPixelHeader + kSweepDirections * kRange);
+              near.pixel() + kPixelHeader + kSweepDirections * kRange);
   }
-  StoreSmallest<kSweepDirections>(d, smallest, near.pixel);
+  StoreSmallest<kSweepDirections>(d, smallest, near.pixel());
 }
 
-HWY_ATTR void Recurrence(const SweepRow* rows, int width, int pixels) {
+HWY_ATTR void Recurrence(const SweepRow& row, const PathPlaces& places, int steps, int pixels) {
   const D8 d;
   const V8 cost = hn::Set(d, std::uint8_t{9}), penalty_small = hn::Set(d, std::uint8_t{14});
   for (int i = 0; i < pixels; i += kBandRows) {
+    const int step = i / kBandRows % steps;
     for (int r = 0; r < kBandRows; ++r) {
-      const int lag = kBandLag * (kBandRows - 1 - r);
-      AggregatePixel(rows[r], i / kBandRows % width + lag, cost, penalty_small);
+      AggregatePixel(row, NearPlaces(places, step, r), step, cost, penalty_small);
     }
   }
 }
@@ -54,25 +54,23 @@ HWY_EXPORT(Recurrence);
 
 std::int64_t runRecurrenceInCache(int pixels) {
   // Four rows take turns, each behind the one above, as in a band (or else a pixel would wait for
-  // the one before it). The first one's row above is the last one. A ring of eight pixels each.
-  constexpr int kRange = 64, kRing = 8, kWidth = 64;
+  // the one before it). The two rows above are the last ones. A ring of eight pixels each.
+  constexpr int kRange = 64, kRing = 8, kSteps = 64, kStepsBack = kRowsAbove * kBandLag + 1;
   constexpr std::size_t kStride = kPixelHeader + (kSweepDirections + 1) * kRange;
   alignas(64) static std::uint8_t costs[kBandRows * kRing * kStride + kMaxLanes];
-  static const std::vector<std::uint8_t> penalties(penaltyPlace(2 * kPenaltyBlock, 0), 40);
-  std::vector<std::uint8_t*> places[kBandRows];
-  SweepRow rows[kBandRows] = {};
-  for (int r = 0; r < kBandRows; ++r) {
-    for (int i = 0; i < kWidth + kLargestLag + 2 * kPathMargin; ++i) {
-      places[r].push_back(costs + (r * kRing + i % kRing) * kStride);
+  static const std::vector<std::uint8_t> penalties(penaltyPlace(kSteps, 0), 40);
+  std::vector<std::uint8_t*> table;
+  for (int step = -kStepsBack; step < kSteps; ++step) {
+    for (int r = -kRowsAbove; r < kBandRows; ++r) {
+      const int u = step - kBandLag * r + kLargestLag + kRing;
+      const int ring = (r + kBandRows) % kBandRows;
+      table.push_back(costs + (ring * kRing + u % kRing) * kStride);
     }
   }
-  for (int r = 0; r < kBandRows; ++r) {
-    rows[r].penalties = penalties.data();
-    rows[r].current = places[r].data() + kPathMargin;
-    rows[r].above = places[(r + kBandRows - 1) % kBandRows].data() + kPathMargin;
-    rows[r].above_diagonals = rows[r].above_knights = rows[r].above2_knights = rows[r].above;
-  }
-  HWY_DYNAMIC_DISPATCH(Recurrence)(rows, kWidth, pixels);
+  const StepPlaces places = table.data() + kPlacesPerStep * kStepsBack + kRowsAbove;
+  SweepRow row{};
+  row.penalties = penalties.data();
+  HWY_DYNAMIC_DISPATCH(Recurrence)(row, {places, places, places}, kSteps, pixels);
   return static_cast<std::int64_t>(pixels) * kRange * kSweepDirections;
 }
 

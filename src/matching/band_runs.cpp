@@ -30,7 +30,7 @@ StepRun findSteps(const SweepFrame& frame, const SweepRow* rows, int row_count, 
   if (active.count() <= 0) return {step, step + 1, active, false, false, kOutside};
   const int first = step - kBandLag * active.first, last = step - kBandLag * (active.last - 1);
   const int kind = rows[active.first].kinds[first];
-  bool uniform = (kind & kClearRest) == 0;
+  bool uniform = true;
   int steps = active.last < row_count ? kBandLag * active.last - step : frame.width;
   for (int r = active.first; r < active.last; ++r) {
     const int u = step - kBandLag * r;

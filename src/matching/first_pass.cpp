@@ -12,7 +12,7 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 
 HWY_ATTR void RunFirst(const SweepFrame& frame, const SweepRow* rows, int row_count,
-                       StepPlaces places, const StepRun* runs, std::size_t run_count) {
+                       const PathPlaces& places, const StepRun* runs, std::size_t run_count) {
   SweepBand<false>(frame, rows, row_count, places, runs, run_count);
 }
 
@@ -29,8 +29,8 @@ HWY_EXPORT(SweepLanes);
 
 int sweepLanes() { return HWY_DYNAMIC_DISPATCH(SweepLanes)(); }
 
-void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, StepPlaces places,
-                  const StepRun* runs, std::size_t run_count) {
+void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                  const PathPlaces& places, const StepRun* runs, std::size_t run_count) {
   HWY_DYNAMIC_DISPATCH(RunFirst)(frame, rows, row_count, places, runs, run_count);
 }
 

@@ -55,43 +55,29 @@ struct LowSums {
   V8 low, last;
 };
 
-// Places of a pixel's path costs, and of those of the ones before and above it.
+// Where the path costs of a pixel and of those lie that its paths come from.
 struct NearPlaces {
-  std::uint8_t* pixel;
-  const std::uint8_t* before;
-  const std::uint8_t* above;
+  HWY_INLINE NearPlaces(const PathPlaces& of_band, int step, int row)
+      : places(of_band), at(kPlacesPerStep * static_cast<std::ptrdiff_t>(step) + row) {}
+  HWY_INLINE std::uint8_t* pixel() const { return places.all[at]; }
+
+  const PathPlaces& places;
+  std::ptrdiff_t at;  // of the pixel
 };
 
-// Of row r's pixel at a step. The row above has had the pixel above kBandLag steps before.
-HWY_INLINE NearPlaces FindNear(StepPlaces places, int step, int r) {
-  const StepPlaces at = places + kPlacesPerStep * static_cast<std::ptrdiff_t>(step) + r;
-  return {at[1], at[1 - kPlacesPerStep], at[-kBandLag * kPlacesPerStep]};
-}
-
-// The pixel that direction r comes from, of the row's pixel u (of a BandRow: at step u). Directions
-// are in the order of the plan: the first two belong to every pixel, the first four to cells of 8
-// paths, all to cells of 16. (du, dv) from the predecessor to the pixel: (1, 0), (0, 1), (1, 1),
-// (-1, 1), (2, 1), (-2, 1), (1, 2), (-1, 2).
+// The path costs of the pixel that direction r comes from. Directions are in the order of the plan:
+// the first two belong to every pixel, the first four to cells of 8 paths, all to cells of 16.
 template <int kDirection>
-HWY_INLINE const std::uint8_t* Predecessor(const SweepRow& row, const NearPlaces& near, int u) {
-  switch (kDirection) {
-    case 0:
-      return near.before;
-    case 1:
-      return near.above;
-    case 2:
-      return row.above_diagonals[u - 1];
-    case 3:
-      return row.above_diagonals[u + 1];
-    case 4:
-      return row.above_knights[u - 2];
-    case 5:
-      return row.above_knights[u + 2];
-    case 6:
-      return row.above2_knights[u - 1];
-    default:
-      return row.above2_knights[u + 1];
-  }
+HWY_INLINE const std::uint8_t* Predecessor(const NearPlaces& near) {
+  // (du, dv) from the predecessor to the pixel.
+  constexpr int kMove[kSweepDirections][2] = {{1, 0}, {0, 1},  {1, 1}, {-1, 1},
+                                              {2, 1}, {-2, 1}, {1, 2}, {-1, 2}};
+  constexpr int kColumns = kMove[kDirection][0], kRows = kMove[kDirection][1];
+  // A row above has had the pixel above kBandLag steps before.
+  constexpr int kBack = kPlacesPerStep * (kColumns + kBandLag * kRows) + kRows;
+  const PathPlaces& places = near.places;
+  const StepPlaces seen = kDirection < 2 ? places.all : kDirection < 4 ? places.four : places.eight;
+  return seen[near.at - kBack];
 }
 
 // How often a pixel's header has the smallest path cost of each direction. Four equal bytes are
@@ -127,13 +113,13 @@ struct Path {
 };
 
 template <int kDirection>
-HWY_INLINE Path MakePath(D8 d, const SweepRow& row, const NearPlaces& near, int u,
-                         const std::uint8_t* penalties, int padded_range) {
-  const std::uint8_t* predecessor = Predecessor<kDirection>(row, near, u);
+HWY_INLINE Path MakePath(D8 d, const NearPlaces& near, const std::uint8_t* penalties,
+                         int padded_range) {
+  const std::uint8_t* predecessor = Predecessor<kDirection>(near);
   const std::size_t block = kPixelHeader + kDirection * static_cast<std::size_t>(padded_range);
   const V8 smallest = SmallestAt(d, predecessor + kSmallestCopies * kDirection);
   const V8 penalty = hn::Set(d, penalties[penaltyPlace(0, kDirection)]);
-  return {predecessor + block, near.pixel + block, smallest, penalty};
+  return {predecessor + block, near.pixel() + block, smallest, penalty};
 }
 
 // The path costs of a vector of disparities at the predecessor, and those one disparity below and
@@ -290,16 +276,16 @@ HWY_INLINE void StoreSmallest(D8 d, const V8* v, std::uint8_t* to) {
 // transitions to the sums, which are not finished then. (The matching cost is added later, once for
 // all directions.)
 template <int kDirections, int kVectors, class Sums>
-HWY_INLINE void AggregateVectors(const SweepRow& row, const NearPlaces& near, int u,
+HWY_INLINE void AggregateVectors(const SweepRow& row, const NearPlaces& near, int step,
                                  int padded_range, const V8* cost, int k, V8 penalty_small,
                                  V8* smallest, Sums* sums) {
   const D8 d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const std::uint8_t* penalties = Opaque(row.penalties + penaltyPlace(u, 0));
+  const std::uint8_t* penalties = Opaque(row.penalties + penaltyPlace(step, 0));
   Repeat<kDirections / 2>([&](auto pair_of) AGS_LAMBDA {
     constexpr int kA = 2 * decltype(pair_of)::value, kB = kA + 1;
-    const Path path_a = MakePath<kA>(d, row, near, u, penalties, padded_range);
-    const Path path_b = MakePath<kB>(d, row, near, u, penalties, padded_range);
+    const Path path_a = MakePath<kA>(d, near, penalties, padded_range);
+    const Path path_b = MakePath<kB>(d, near, penalties, padded_range);
     Repeat<kVectors>([&](auto vector) AGS_LAMBDA {
       constexpr int i = decltype(vector)::value;
       const int at = k + i * lanes;

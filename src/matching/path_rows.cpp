@@ -30,9 +30,8 @@ constexpr int kSharedPixels = Strips::kReach;
 // The ring of a band's last row but one, wherever that is: no other row before the last one has it.
 constexpr int kSpareRing = kBandRows - 2;
 
-// Whether the next band reads a pixel of its last row but one, by the directions that skip a row:
-// one that has them, or one beside those, which shows zeros to them.
-bool isKept(std::uint8_t kind) { return kind == kEight || (kind & kClearRest) != 0; }
+// Whether the next band reads a pixel of the last row but one, by the directions that skip a row.
+bool isKept(std::uint8_t kind) { return kind == kEight; }
 
 constexpr int kShared = -1;
 
@@ -164,10 +163,14 @@ PathRow PathRows::ringRow(std::size_t set, int row) const {
   return ring_places_.data() + (set * kBandRows + row) * row_pixels_ + kPathMargin;
 }
 
-void PathRows::find(int band, int row, const BandTurns& turns, SweepRow* out) const {
-  out->current = rowOf(band, row, turns);
-  out->above = out->above_diagonals = out->above_knights = rowOf(band, row - 1, turns);
-  out->above2_knights = rowOf(band, row - 2, turns);
+BandPathRows PathRows::find(int band, const BandTurns& turns) const {
+  BandPathRows found;
+  const int first = bands_.firstRow(band);
+  for (int row = -kRowsAbove; row < bands_.rows(band); ++row) {
+    found.places[kRowsAbove + row] = rowOf(band, row, turns);
+    if (first + row >= 0) found.kinds[kRowsAbove + row] = kinds_->row(first + row);
+  }
+  return found;
 }
 
 }  // namespace adaptive_grid_stereo

@@ -2,6 +2,7 @@
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_PATH_ROWS_H
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -13,10 +14,21 @@
 
 namespace adaptive_grid_stereo {
 
+/// The rows that a band's paths go through: [kRowsAbove + row], null where the band has no such
+/// row.
+struct BandPathRows {
+  std::array<PathRow, kPlacesPerStep> places{};
+  /// PixelKinds::row() of each; null above the image, where all path costs are zero.
+  std::array<const std::uint8_t*, kPlacesPerStep> kinds{};
+  bool operator==(const BandPathRows& other) const {
+    return places == other.places && kinds == other.kinds;
+  }
+};
+
 /// Where the path costs of a sweep's rows lie: in as little memory as their readers allow, so that
 /// it stays in the caches. A band leaves its last row to the next one, and of the row before it the
-/// pixels of cells of 16 paths (and those beside them), as no other path skips a row; of the rest
-/// only the last few pixels of a row are kept, in rings. Each strip writes over what it wrote for
+/// pixels of cells of 16 paths, as no other path skips a row; of the rest only the last few pixels
+/// of a row are kept, in rings. Each strip writes over what it wrote for
 /// the band before. But for pixels near a border between strips, which the neighbour may still
 /// read: there, bands take turns (BandTurns).
 class PathRows {
@@ -31,11 +43,11 @@ class PathRows {
   bool assign(const Bands& bands, const std::vector<int>& edges, const PixelKinds& kinds,
               bool anew);
 
-  /// Tells the places of row `row` of a band, and of the two rows above it.
-  void find(int band, int row, const BandTurns& turns, SweepRow* out) const;
+  /// The rows of a band, and the two above it.
+  BandPathRows find(int band, const BandTurns& turns) const;
 
-  /// Places of a row whose path costs are all zero.
-  PathRow zeros() const { return zero_row_.data() + kPathMargin; }
+  /// Place of path costs that are all zero.
+  std::uint8_t* zero() { return zero_.data(); }
 
  private:
   void placeRingsAndLastRows();
@@ -46,6 +58,7 @@ class PathRows {
   int sets() const { return std::max(1, sets_); }
   PathRow rowOf(int band, int row, const BandTurns& turns) const;
   PathRow ringRow(std::size_t set, int row) const;
+  PathRow zeros() const { return zero_row_.data() + kPathMargin; }
 
   int width_ = 0;
   int strips_ = 0;

@@ -42,18 +42,11 @@ std::size_t PixelKinds::cellOfRow(int v) const { return cellOf(row_edges_, v); }
 
 void PixelKinds::fillCell(const PathPlan& plan, int cell) {
   const int width = plan.column_edges[3];
-  const auto pathsAt = [&](int u) {
-    return plan.paths[3 * cell + cellOf(plan.column_edges, std::clamp(u, 0, width - 1))];
-  };
   std::uint8_t* kinds = tables_.data() + cell * stride_ + kPathMargin;
   std::uint8_t* most = directions_.data() + cell * static_cast<std::size_t>(blocks_);
   for (int u = 0; u < width; ++u) {
-    const int paths = pathsAt(u);
-    int most_near = paths;
-    for (int near = u - kPathMargin; near <= u + kPathMargin; ++near) {
-      most_near = std::max(most_near, pathsAt(near));
-    }
-    kinds[u] = static_cast<std::uint8_t>(kindOf(paths) | (most_near > paths ? kClearRest : 0));
+    const int paths = plan.paths[3 * cell + cellOf(plan.column_edges, u)];
+    kinds[u] = kindOf(paths);
     for (const int step : {u, u + kLargestLag}) {
       std::uint8_t& of_block = most[step / kPenaltyBlock];
       of_block = std::max(of_block, static_cast<std::uint8_t>(paths / 2));

@@ -83,9 +83,6 @@ HWY_INLINE BandRow AlongSteps(const SweepFrame& frame, const SweepRow& row, int 
   BandRow by_step;
   static_cast<SweepRow&>(by_step) = row;
   const int steps = kBandLag * r;
-  by_step.above_diagonals -= steps;
-  by_step.above_knights -= steps;
-  by_step.above2_knights -= steps;
   by_step.kinds -= steps;
   const std::ptrdiff_t lag = frame.course.along(steps);
   by_step.first_column = frame.width - 1 + frame.min_disparity + lag;
@@ -175,20 +172,6 @@ struct PixelSweep {
       SelectAmongCandidates(frame, sums, column, row.winners, x);
     } else {
       hn::Store(best, d16, keys);
-    }
-  }
-
-  // Path costs of zero let the paths of the directions that the pixel does not use start anew at
-  // their next one.
-  static HWY_INLINE void ClearRest(const SweepFrame& frame, std::uint8_t* pixel) {
-    const D8 d;
-    const int lanes = static_cast<int>(hn::Lanes(d)), padded = PaddedRange(frame);
-    for (int r = kDirections; r < kSweepDirections; ++r) {
-      std::memset(pixel + kSmallestCopies * r, 0, kSmallestCopies);
-      std::uint8_t* costs = pixel + kPixelHeader + r * padded;
-      for (int k = 0; k < padded; k += lanes) {
-        hn::Store(BeyondRange(frame.layout.range, k), d, costs + k);
-      }
     }
   }
 

@@ -12,7 +12,7 @@ namespace adaptive_grid_stereo {
 namespace HWY_NAMESPACE {
 
 HWY_ATTR void RunSecond(const SweepFrame& frame, const SweepRow* rows, int row_count,
-                        StepPlaces places, const StepRun* runs, std::size_t run_count) {
+                        const PathPlaces& places, const StepRun* runs, std::size_t run_count) {
   SweepBand<true>(frame, rows, row_count, places, runs, run_count);
 }
 
@@ -24,8 +24,8 @@ HWY_AFTER_NAMESPACE();
 namespace adaptive_grid_stereo {
 HWY_EXPORT(RunSecond);
 
-void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count, StepPlaces places,
-                   const StepRun* runs, std::size_t run_count) {
+void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                   const PathPlaces& places, const StepRun* runs, std::size_t run_count) {
   HWY_DYNAMIC_DISPATCH(RunSecond)(frame, rows, row_count, places, runs, run_count);
 }
 

@@ -36,7 +36,7 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const BandRows& ban
   constexpr int kBits = keyBits<kDirections, kPadded>();
   const BandRow* rows = band.rows;
   const int row_count = band.count;
-  const StepPlaces places = band.places;
+  const PathPlaces places = band.places;
   const PixelCourse course(frame);
   WinnerSearch<kPadded, kPlace, kBits, kSecondPass, true> search(frame, rows, row_count);
   const PixelConstants constants(frame);
@@ -47,15 +47,15 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const BandRows& ban
       constexpr int kRow = decltype(i)::value;
       const int r = first + kRow;
       if constexpr (kSecondPass) {
-        Pixel::template Second<kBits>(frame, course, rows[r], FindNear(places, step, r), step,
+        Pixel::template Second<kBits>(frame, course, rows[r], NearPlaces(places, step, r), step,
                                       constants, smallest + kRow * kDirections,
                                       search.sums(step, r), search.keys(step, r));
       } else {
-        Pixel::First(frame, course, rows[r], FindNear(places, step, r), step, constants,
+        Pixel::First(frame, course, rows[r], NearPlaces(places, step, r), step, constants,
                      smallest + kRow * kDirections);
       }
     });
-    const auto pixel = [&](int r) AGS_LAMBDA { return FindNear(places, step, r).pixel; };
+    const auto pixel = [&](int r) AGS_LAMBDA { return NearPlaces(places, step, r).pixel(); };
     if constexpr (kCount == 1) return StoreSmallest<kDirections>(D8(), smallest, pixel(first));
     constexpr int kBytes = kSmallestCopies * kDirections;
     alignas(32) std::uint8_t bytes[kSmallestCopies * kSweepDirections];
@@ -139,6 +139,7 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const BandRows& b
                                       int end) {
   const BandRow* rows = band.rows;
   const int row_count = band.count;
+  const PathPlaces places = band.places;
   const PixelCourse course(frame);
   WinnerSearch<kPadded, kPlace, kBlockBits, kSecondPass, false> search(frame, rows, row_count);
   const PixelConstants constants(frame);
@@ -146,20 +147,19 @@ HWY_NOINLINE HWY_ATTR void SweepMixed(const SweepFrame& frame, const BandRows& b
     constexpr int kDirections = decltype(directions)::value;
     using Pixel = PixelSweep<kDirections, kPadded, kPlace>;
     V8 smallest[kDirections];
-    const NearPlaces near = FindNear(band.places, step, r);
+    const NearPlaces near(places, step, r);
     if constexpr (kSecondPass) {
       Pixel::template Second<kBlockBits>(frame, course, rows[r], near, step, constants, smallest,
                                          search.sums(step, r), search.keys(step, r));
     } else {
       Pixel::First(frame, course, rows[r], near, step, constants, smallest);
     }
-    StoreSmallest<kDirections>(D8(), smallest, near.pixel);
-    if ((rows[r].kinds[step] & kClearRest) != 0) Pixel::ClearRest(frame, near.pixel);
+    StoreSmallest<kDirections>(D8(), smallest, near.pixel());
   };
   for (int step = begin; step < end; ++step) {
     const ActiveRows active = findActiveRows(frame.width, row_count, step);
     for (int r = active.first; r < active.last; ++r) {
-      switch (rows[r].kinds[step] & ~kClearRest) {
+      switch (rows[r].kinds[step]) {
         case kTwo:
           sweepPixel(std::integral_constant<int, 2>(), r, step);
           break;
@@ -188,14 +188,15 @@ HWY_ATTR void SweepMixedPixels(const SweepFrame& frame, const BandRows& band, bo
 
 template <bool kSecondPass>
 HWY_ATTR void SweepBand(const SweepFrame& frame, const SweepRow* rows, int row_count,
-                        StepPlaces places, const StepRun* runs, std::size_t run_count) {
+                        const PathPlaces& places, const StepRun* runs, std::size_t run_count) {
   BandRow by_step[kBandRows];
   for (int r = 0; r < row_count; ++r) by_step[r] = AlongSteps(frame, rows[r], r);
   for (const StepRun* run = runs; run != runs + run_count; ++run) {
     if (run->uniform) {
       const int first = run->rows.first;
-      SweepPixels<kSecondPass>(frame, {by_step + first, run->rows.count(), places + first},
-                               run->kind, run->inner, run->begin, run->end);
+      const PathPlaces from_first = {places.all + first, places.four + first, places.eight + first};
+      SweepPixels<kSecondPass>(frame, {by_step + first, run->rows.count(), from_first}, run->kind,
+                               run->inner, run->begin, run->end);
     } else {
       SweepMixedPixels<kSecondPass>(frame, {by_step, row_count, places}, run->inner, run->begin,
                                     run->end);

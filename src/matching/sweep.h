@@ -45,10 +45,8 @@ constexpr int kSweepDirections = 8;
 /// Bytes before a pixel's path costs, of which the first hold the smallest cost of each direction.
 constexpr int kPixelHeader = 64;
 
-/// What a pixel of a sweep needs: to aggregate 2, 4 or 8 directions; kClearRest in addition sets
-/// the path costs of those it does not use to zero, so that paths start anew beside it, in a column
-/// of cells with more of them.
-enum PixelKind : std::uint8_t { kOutside = 0, kTwo = 1, kFour = 2, kEight = 3, kClearRest = 4 };
+/// What a pixel of a sweep needs: to aggregate 2, 4 or 8 directions.
+enum PixelKind : std::uint8_t { kOutside = 0, kTwo = 1, kFour = 2, kEight = 3 };
 
 /// Path costs of a pixel: the header, then for each direction a block of padded_range costs.
 struct PathLayout {
@@ -59,15 +57,26 @@ struct PathLayout {
 
 /// Where the path costs of a row's pixels lie: [u], -kPathMargin .. width + kPathMargin - 1. A row
 /// inside a band keeps only its last few pixels, so that places recur. Path costs of pixels outside
-/// of the image, or that do not have such paths, are zero: paths start anew beside them.
+/// of the image are zero: paths start anew beside them.
 using PathRow = std::uint8_t* const*;
 
+/// The rows above a band that its paths come from.
+constexpr int kRowsAbove = 2;
+
 /// Where the path costs of the pixels lie that a band's rows have at a step: [kPlacesPerStep * step
-/// + 1 + row]. The first place of a step is of the row above the band, as if it went ahead of the
-/// band's first row as rows of a band do. So kernels load the places of a pixel, the one before it
-/// and the one above it from a single table, whatever the row.
+/// + row]. Rows -1 and -2 are those above the band, as if they went ahead of its first row as rows
+/// of a band do. So kernels load the places of a pixel and of all that its paths come from at fixed
+/// distances, whatever the row.
 using StepPlaces = std::uint8_t* const*;
-constexpr int kPlacesPerStep = kBandRows + 1;
+constexpr int kPlacesPerStep = kRowsAbove + kBandRows;
+
+/// The same as paths of each kind see them: in place of a pixel that does not have such a path,
+/// there is one whose path costs are zero, so that paths start anew beside it.
+struct PathPlaces {
+  StepPlaces all;    // for paths that all pixels have
+  StepPlaces four;   // for those of pixels with four or eight directions
+  StepPlaces eight;  // with eight
+};
 
 /// The winners of a row's pixels, in halves of 16 bits, [x]. What they mean is told apart later, by
 /// vectors: for every pixel by itself it would take longer.
@@ -116,24 +125,17 @@ struct SweepRow {
   const std::uint8_t* kinds;      // [u], -kPathMargin .. width + kPathMargin - 1
   const int* kind_ends;           // [u] the next column of another kind
   const std::uint8_t* penalties;  // P2 of eq. 7 at [penaltyPlace(step, direction)]
-  PathRow current;
-  PathRow above;              // the row above, for direction 1
-  PathRow above_diagonals;    // for 2 and 3
-  PathRow above_knights;      // for 4 and 5
-  PathRow above2_knights;     // the row above that, for 6 and 7
-  const std::uint8_t* left;   // census strings of the row, in the target's order
-  const std::uint8_t* right;  // mirrored
-  std::uint16_t* volume;      // [x * padded_range]
-  WinnerRow winners;          // second pass only
+  const std::uint8_t* left;       // census strings of the row, in the target's order
+  const std::uint8_t* right;      // mirrored
+  std::uint16_t* volume;          // [x * padded_range]
+  WinnerRow winners;              // second pass only
 };
 
 /// A row of a band as kernels go along it: what belongs to its pixel at a step is found by the step
 /// and the image column of the band's first row there, which are the same for all rows of the band.
 struct BandRow : SweepRow {
-  // Kinds, above_diagonals, above_knights, above2_knights: [step] (of the other rows of path costs
-  // StepPlaces tells; kind_ends is as it was).
-  // Volume: [column * padded_range]. Winners: [column]. Census strings: `left` is that of column 0,
-  // `right` that of column 0's first disparity.
+  // Kinds: [step] (kind_ends is as it was). Volume: [column * padded_range]. Winners: [column].
+  // Census strings: `left` is that of column 0, `right` that of column 0's first disparity.
   std::ptrdiff_t first_column;  // of column 0's first disparity in the mirrored row
 };
 
@@ -141,7 +143,7 @@ struct BandRow : SweepRow {
 struct BandRows {
   const BandRow* rows;
   int count;
-  StepPlaces places;  // [kPlacesPerStep * step] is of the row above the first of them
+  PathPlaces places;  // row 0 is the first of them
 };
 
 /// Which way a sweep goes through the image's columns.
@@ -211,10 +213,10 @@ struct StepRun {
 
 /// Run steps of one band of `row_count` <= kBandRows rows. At step s row r is at pixel
 /// s - kBandLag * r; the band is complete with steps 0 to width + kBandLag * (row_count - 1).
-void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count, StepPlaces places,
-                  const StepRun* runs, std::size_t run_count);
-void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count, StepPlaces places,
-                   const StepRun* runs, std::size_t run_count);
+void runFirstPass(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                  const PathPlaces& places, const StepRun* runs, std::size_t run_count);
+void runSecondPass(const SweepFrame& frame, const SweepRow* rows, int row_count,
+                   const PathPlaces& places, const StepRun* runs, std::size_t run_count);
 
 /// P2 of eq. 7 for a row's pixels at steps [begin, end) and each direction:
 /// penalties[penaltyPlace(s, r)] is the entry of `table` (256, falling) for the difference of the

@@ -154,9 +154,11 @@ void Sweeps::preparePart(const SweepImages& images, const Strips::Part& part) {
     const int y = bands.imageRow(part.band);
     makeCensus(images, y, y + worker.row_count, part.sweep, 0, &worker);
   }
+  PathRows& path_rows = path_rows_[part.sweep];
+  worker.places = worker.band_places.find(path_rows.find(part.band, part.turns), part.begin,
+                                          part.end, frames_[part.sweep].width, path_rows.zero());
   for (int i = 0; i < worker.row_count; ++i) {
     worker.rows[i] = makeRow(part, i);
-    startPathsAnew(part.sweep, bands.firstRow(part.band) + i, i, &worker);
     if (part.second_pass) {
       fetchVolume(worker.rows[i], frames_[part.sweep], part.begin - kBandLag * i);
     }
@@ -169,8 +171,7 @@ void Sweeps::workOnPart(const Strips::Part& part, int first, int last, cv::Mat* 
   const auto pass = part.second_pass ? runSecondPass : runFirstPass;
   const SweepFrame& frame = frames_[part.sweep];
   const auto& runs = worker.runs.find(frame, worker.rows, worker.row_count, first, last);
-  const StepPlaces places = worker.band_places.find(worker.rows, worker.row_count, frame.width);
-  pass(frame, worker.rows, worker.row_count, places, runs.data(), runs.size());
+  pass(frame, worker.rows, worker.row_count, worker.places, runs.data(), runs.size());
   // A row is selected as a whole: at once, while it is in the cache, if a thread has whole rows.
   if (!bands_only_ || !part.second_pass || last < strips_.edges(part.sweep).back()) return;
   const int y = bands_[part.sweep].imageRow(part.band);
@@ -226,32 +227,11 @@ SweepRow Sweeps::makeRow(const Strips::Part& part, int index) {
   SweepRow row{};
   row.kinds = kinds_[sweep].row(v);
   row.kind_ends = kinds_[sweep].ends(v);
-  path_rows_[sweep].find(band, index, part.turns, &row);
   row.left = census_[setOf(sweep)].left(y);
   row.right = census_[setOf(sweep)].right(y);
   row.volume = volume_.data() + y * row_volume;
   row.winners = winnersOf(winnersSetOf(sweep), y);
   return row;
-}
-
-void Sweeps::startPathsAnew(int sweep, int v, int index, Worker* worker) const {
-  const PixelKinds& kinds = kinds_[sweep];
-  const int begin = -kPathMargin, end = frames_[sweep].width + kPathMargin;
-  const PathRow zeros = path_rows_[sweep].zeros();
-  const auto hide = [&](int of_v, PixelKind needed, int which, PathRow* row) {
-    if (of_v < 0 || kinds.row(of_v) == kinds.row(v)) return;
-    std::vector<std::uint8_t*>& places = worker->places[index][which];
-    places.resize(end - begin);
-    for (int u = begin; u < end; ++u) {
-      const bool has_paths = (kinds.row(of_v)[u] & ~kClearRest) >= needed;
-      places[u - begin] = (has_paths ? *row : zeros)[u];
-    }
-    *row = places.data() - begin;
-  };
-  SweepRow& row = worker->rows[index];
-  hide(v - 1, kFour, 0, &row.above_diagonals);
-  hide(v - 1, kEight, 1, &row.above_knights);
-  hide(v - 2, kEight, 2, &row.above2_knights);
 }
 
 void Sweeps::selectRows(int first, int last, int set, RowBuffers* buffers, cv::Mat* disparity) {

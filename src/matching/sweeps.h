@@ -51,10 +51,8 @@ class Sweeps {
     AlignedBuffer<std::uint8_t> penalties;  // [row of the band][penaltyPlace()]
     RowBuffers buffers;
     SweepRow rows[kBandRows];  // of the band
-    // What replaces a row's above_diagonals, above_knights and above2_knights where some of their
-    // pixels are shown as zeros: [row of the band][which of these][u + kPathMargin].
-    std::vector<std::uint8_t*> places[kBandRows][3];
     int row_count = 0;
+    PathPlaces places;  // of the band
     BandPlaces band_places;
     BandRuns runs;
     double census_time = 0.0;  // [ms]
@@ -66,9 +64,6 @@ class Sweeps {
   void workOnPart(const Strips::Part& part, int first, int last, cv::Mat* disparity);
   void selectRows(int first, int last, int set, RowBuffers* buffers, cv::Mat* disparity);
   SweepRow makeRow(const Strips::Part& part, int index);
-  // Shows zeros to the paths of row v, which is rows[index], where they come from pixels of cells
-  // above that do not have them.
-  void startPathsAnew(int sweep, int v, int index, Worker* worker) const;
   void fillPenalties(const SweepImages& images, const Strips::Part& part, int index,
                      Worker* worker);
   // Fetches what a row's second pass reads of the volume first, from pixel u on.
