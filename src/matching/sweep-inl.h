@@ -28,6 +28,17 @@ constexpr int rowsTogether() {
   return 1;
 }
 
+// Whether there is code for all four rows of a step, which then are at fixed distances from each
+// other, without a loop over rows: not where that would be long, nor where it has gained nothing.
+template <int kDirections, int kPadded>
+constexpr bool unrollsRows() {
+#if HWY_TARGET == HWY_AVX3_DL || HWY_TARGET == HWY_NEON
+  return kPadded > 0 && kDirections * kPadded <= 8 * static_cast<int>(sizeof(V8));
+#else
+  return false;
+#endif
+}
+
 // Rows of a band for steps [begin, end).
 template <int kDirections, int kPadded, Place kPlace, bool kSecondPass>
 HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const BandRows& band, int begin,
@@ -65,22 +76,20 @@ HWY_NOINLINE HWY_ATTR void SweepRun(const SweepFrame& frame, const BandRows& ban
     });
   };
   constexpr int kTogether = rowsTogether<kDirections, kPadded>();
+  constexpr std::integral_constant<int, kTogether> together;
   for (int step = begin; step < end; ++step) {
     int r = 0;
-    if constexpr (kTogether == kBandRows) {
-      // No loop, so that all rows' places are at fixed distances.
+    if constexpr (unrollsRows<kDirections, kPadded>()) {
       if (row_count == kBandRows) {
-        sweepTogether(std::integral_constant<int, kBandRows>(), 0, step);
+        Repeat<kBandRows / kTogether>([&](auto i) AGS_LAMBDA {
+          sweepTogether(together, kTogether * decltype(i)::value, step);
+        });
         r = kBandRows;
       }
     } else {
-      for (; r + kTogether <= row_count; r += kTogether) {
-        sweepTogether(std::integral_constant<int, kTogether>(), r, step);
-      }
+      for (; r + kTogether <= row_count; r += kTogether) sweepTogether(together, r, step);
     }
-    if (kTogether > 1) {
-      for (; r < row_count; ++r) sweepTogether(std::integral_constant<int, 1>(), r, step);
-    }
+    for (; r < row_count; ++r) sweepTogether(std::integral_constant<int, 1>(), r, step);
     search.Advance(frame, course, begin, step, {0, row_count});
   }
   search.Finish(frame, course, begin, end - 1, {0, row_count});
