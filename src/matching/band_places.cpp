@@ -5,6 +5,11 @@
 namespace adaptive_grid_stereo {
 namespace {
 
+// Enough for the sets of places that bands take in turn near borders between strips (BandTurns), up
+// to eight threads' four strips in each of the three rows of cells: or else each band would make
+// tables.
+constexpr std::size_t kMostAnswers = 64;
+
 // How many steps before its own a pixel's paths come from: from the second row above, one pixel
 // before.
 constexpr int kStepsBack = kRowsAbove * kBandLag + 1;
@@ -14,7 +19,7 @@ struct BandSteps {
   const BandPathRows& rows;
   int begin, end, width;
 
-  // Calls f(index, first, last) for each row of the table and its pixels [first, last) at steps
+  // Calls f(index, first, last) for each row from an index on and its pixels [first, last) at steps
   // [from, end) that are no farther than `margin` outside of the image.
   template <class F>
   void forRows(int first_index, int from, int margin, const F& f) const {
@@ -26,7 +31,7 @@ struct BandSteps {
     }
   }
 
-  // Whether pixels of the band have paths of a kind, and whether some that these come from do not.
+  // Whether pixels of the band have paths of a kind, and some that these may come from have not.
   bool isMixed(PixelKind kind) const {
     std::uint8_t most = kOutside, least = kEight;
     forRows(kRowsAbove, begin, 0, [&](int i, int first, int last) {
@@ -39,18 +44,9 @@ struct BandSteps {
     return most >= kind && least < kind;
   }
 
-  std::size_t tableSize() const {
-    return static_cast<std::size_t>(kPlacesPerStep) * (end - begin + kStepsBack);
-  }
-  // Of step 0, in the first row of the band.
-  StepPlaces origin(const std::vector<std::uint8_t*>& table) const {
-    return table.data() + kPlacesPerStep * (kStepsBack - begin) + kRowsAbove;
-  }
-
-  // The places as paths of a kind see them.
-  std::vector<std::uint8_t*> places(PixelKind kind, std::uint8_t* zero) const {
-    std::vector<std::uint8_t*> table(tableSize(), zero);
+  std::vector<std::uint8_t*> placesFor(PixelKind kind, std::uint8_t* zero) const {
     const int from = begin - kStepsBack;
+    std::vector<std::uint8_t*> table(static_cast<std::size_t>(kPlacesPerStep) * (end - from), zero);
     forRows(0, from, kPathMargin, [&](int i, int first, int last) {
       const int lag = kBandLag * (i - kRowsAbove);
       const std::uint8_t* kinds = rows.kinds[i];
@@ -66,22 +62,44 @@ struct BandSteps {
 
 }  // namespace
 
+void BandPlaces::forget() {
+  answers_.clear();
+  tables_.clear();
+}
+
+StepPlaces BandPlaces::findTable(const Table& wanted, int width, std::uint8_t* zero) {
+  auto table = std::find_if(tables_.begin(), tables_.end(), [&](const Table& known) {
+    return known.kind == wanted.kind && known.begin == wanted.begin && known.end == wanted.end &&
+           known.rows == wanted.rows;
+  });
+  if (table == tables_.end()) {
+    table = tables_.insert(table, wanted);
+    const BandSteps steps{wanted.rows, wanted.begin, wanted.end, width};
+    table->places = steps.placesFor(wanted.kind, zero);
+  }
+  // Of step 0, in the first row of the band.
+  return table->places.data() + kPlacesPerStep * (kStepsBack - table->begin) + kRowsAbove;
+}
+
 PathPlaces BandPlaces::find(const BandPathRows& rows, int begin, int end, int width,
                             std::uint8_t* zero) {
-  for (const Answer& answer : answers_) {
-    if (answer.begin == begin && answer.end == end && answer.rows == rows) return answer.places;
+  const auto answers = [&](const Answer& answer) {
+    return answer.begin == begin && answer.end == end && answer.rows == rows;
+  };
+  if (last_ < answers_.size() && answers(answers_[last_])) return answers_[last_].places;
+  const auto known = std::find_if(answers_.begin(), answers_.end(), answers);
+  if (known != answers_.end()) {
+    last_ = known - answers_.begin();
+    return known->places;
   }
   if (answers_.size() == kMostAnswers) forget();
-  Answer answer{rows, begin, end, {}, {}, {}, {}};
-  const BandSteps steps{rows, begin, end, width};
-  answer.all = steps.places(kOutside, zero);
-  if (steps.isMixed(kFour)) answer.four = steps.places(kFour, zero);
-  if (steps.isMixed(kEight)) answer.eight = steps.places(kEight, zero);
-  const auto originOf = [&](const std::vector<std::uint8_t*>& table) {
-    return steps.origin(table.empty() ? answer.all : table);
+  const StepPlaces all = findTable({{rows.places, {}}, begin, end, kOutside, {}}, width, zero);
+  const auto seenBy = [&](PixelKind kind) {
+    if (!BandSteps{rows, begin, end, width}.isMixed(kind)) return all;
+    return findTable({rows, begin, end, kind, {}}, width, zero);
   };
-  answer.places = {originOf(answer.all), originOf(answer.four), originOf(answer.eight)};
-  answers_.push_back(std::move(answer));
+  last_ = answers_.size();
+  answers_.push_back({rows, begin, end, {all, seenBy(kFour), seenBy(kEight)}});
   return answers_.back().places;
 }
 

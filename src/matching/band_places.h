@@ -1,6 +1,7 @@
 #ifndef ADAPTIVE_GRID_STEREO_SRC_MATCHING_BAND_PLACES_H
 #define ADAPTIVE_GRID_STEREO_SRC_MATCHING_BAND_PLACES_H
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -13,28 +14,31 @@ namespace adaptive_grid_stereo {
 class BandPlaces {
  public:
   /// Those that steps [begin, end) of a band need. zero: place of path costs that are all zero.
-  /// Remembers a few answers, since most bands are alike. Valid until answers are forgotten, or
-  /// kMostAnswers others have been asked for.
+  /// Remembers its answers, since most bands are alike. The result is valid until the next call.
   PathPlaces find(const BandPathRows& rows, int begin, int end, int width, std::uint8_t* zero);
 
   /// Forgets all answers. Must be called where tables of places or kinds have changed.
-  void forget() { answers_.clear(); }
-
-  /// Enough for the sets of places that bands take in turn near borders between strips (BandTurns),
-  /// up to eight threads' four strips in each of the three rows of cells: or else each band would
-  /// make its own.
-  static constexpr std::size_t kMostAnswers = 64;
+  void forget();
 
  private:
+  /// As paths of one kind see the rows; kOutside: as they are, whatever their kinds.
+  struct Table {
+    BandPathRows rows;
+    int begin, end;
+    PixelKind kind;
+    std::vector<std::uint8_t*> places;
+  };
   struct Answer {
     BandPathRows rows;
     int begin, end;
-    // Empty if they would not differ from the first one, or if no pixel has such paths.
-    std::vector<std::uint8_t*> all, four, eight;
     PathPlaces places;
   };
 
+  StepPlaces findTable(const Table& wanted, int width, std::uint8_t* zero);
+
+  std::vector<Table> tables_;
   std::vector<Answer> answers_;
+  std::size_t last_ = 0;  // the latest of them
 };
 
 }  // namespace adaptive_grid_stereo

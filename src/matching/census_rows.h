@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "adaptive_grid_stereo/matching/census.h"
@@ -21,8 +22,10 @@ class CensusRows {
   void prepare(int width, int kept, int threads) {
     row_bytes_ = censusRowBytes(width);
     kept_ = kept;
-    left_.reserve(row_bytes_ * kept);
-    right_.reserve(row_bytes_ * kept);
+    for (auto* rows : {&left_, &right_}) {
+      // What margins hold is of no importance, as long as it is something.
+      if (rows->reserve(row_bytes_ * kept)) std::memset(rows->data(), 0, row_bytes_ * kept);
+    }
     planes_.resize(threads);
     for (auto& planes : planes_) planes.resize(row_bytes_);
   }

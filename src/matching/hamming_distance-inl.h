@@ -39,7 +39,8 @@ constexpr PixelOrder makePixelOrder() {
 }
 static constexpr PixelOrder kPixelOrder = makePixelOrder();
 
-// 64 pixels at a time; planes that the window does not fill are zero.
+// 64 pixels at a time; planes that the window does not fill are zero. Strings of the margins are
+// left as they are.
 HWY_INLINE void OrderCensus(int width, CensusWindow window, const std::uint8_t* planes,
                             std::uint8_t* row) {
   const hn::ScalableTag<std::uint8_t> d8;
@@ -49,7 +50,9 @@ HWY_INLINE void OrderCensus(int width, CensusWindow window, const std::uint8_t* 
   const __m512i order = _mm512_load_si512(kPixelOrder.from);
   const std::size_t stride = censusStride(width);
   const int filled = censusPlanes(window);
-  for (std::size_t x = 0; x < stride; x += 64, row += 64 * kCensusBytes) {
+  static_assert(kCensusMargin % 64 == 0, "pixel 0 must begin a vector");
+  row += kCensusBytes * kCensusMargin;
+  for (int x = kCensusMargin; x < kCensusMargin + width; x += 64, row += 64 * kCensusBytes) {
     V plane[kCensusBytes], twos[kCensusBytes], fours[kCensusBytes];
     for (int p = 0; p < kCensusBytes; ++p) {
       plane[p] = hn::Zero(d8);

@@ -35,7 +35,12 @@ void PixelKinds::assign(const PathPlan& original, bool upward) {
   ends_.assign(3 * stride_, 0);
   directions_.assign(3 * static_cast<std::size_t>(blocks_), 0);
   row_edges_ = plan.row_edges;
-  for (int cell = 0; cell < 3; ++cell) fillCell(plan, cell);
+  for (std::size_t cell = 0; cell < 3; ++cell) {
+    fillCell(plan, static_cast<int>(cell));
+    const auto paths = [&](std::size_t of) { return plan.paths.data() + 3 * of; };
+    alike_[cell] = 0;
+    while (!std::equal(paths(cell), paths(cell) + 3, paths(alike_[cell]))) ++alike_[cell];
+  }
 }
 
 std::size_t PixelKinds::cellOfRow(int v) const { return cellOf(row_edges_, v); }

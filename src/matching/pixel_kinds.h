@@ -14,7 +14,7 @@ namespace adaptive_grid_stereo {
 PathPlan turned(const PathPlan& plan);
 
 /// The PixelKind of every pixel of a sweep, from the path plan. The rows of one row of cells share
-/// one table.
+/// one table, as do rows of cells that are alike.
 class PixelKinds {
  public:
   /// For the upward sweep the plan is turned by 180 degrees.
@@ -25,7 +25,7 @@ class PixelKinds {
 
   /// Kinds of a row of cells' pixels at [u], -kPathMargin .. width + kPathMargin - 1.
   const std::uint8_t* ofCells(std::size_t cell) const {
-    return tables_.data() + cell * stride_ + kPathMargin;
+    return tables_.data() + alike_[cell] * stride_ + kPathMargin;
   }
 
   /// The same of row v.
@@ -44,7 +44,8 @@ class PixelKinds {
   void fillCell(const PathPlan& plan, int cell);
 
   std::array<int, 4> row_edges_{};
-  std::size_t stride_ = 0;  // of the tables
+  std::array<std::size_t, 3> alike_{};  // the first row of cells that has the same kinds
+  std::size_t stride_ = 0;              // of the tables
   std::vector<std::uint8_t> tables_;
   std::vector<int> ends_;
   int blocks_ = 0;
