@@ -181,10 +181,8 @@ sensor_msgs::RegionOfInterest validWindow(int width, int height, int min_dispari
   return window;
 }
 
-stereo_msgs::DisparityImagePtr toDisparityImage(const MatchResult& result,
-                                                const StereoGeometry& geometry,
-                                                const std_msgs::Header& header) {
-  auto message = boost::make_shared<stereo_msgs::DisparityImage>();
+void fillDisparityImage(const MatchResult& result, const StereoGeometry& geometry,
+                        const std_msgs::Header& header, stereo_msgs::DisparityImage* message) {
   const int width = result.disparity.cols;
   const int height = result.disparity.rows;
   message->header = header;
@@ -223,7 +221,6 @@ stereo_msgs::DisparityImagePtr toDisparityImage(const MatchResult& result,
     const float invalid = offset + kStep * kInvalidDisparity;
     std::memcpy(image.data.data(), &invalid, sizeof(invalid));
   }
-  return message;
 }
 
 sensor_msgs::ImagePtr toDepthImage(const stereo_msgs::DisparityImage& disparity) {

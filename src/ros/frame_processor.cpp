@@ -1,6 +1,7 @@
 #include "adaptive_grid_stereo/ros/frame_processor.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
@@ -13,6 +14,9 @@
 
 namespace adaptive_grid_stereo {
 namespace {
+
+// Messages kept to be used again: while subscribers have all of them, further ones are not.
+constexpr std::size_t kMostMessages = 4;
 
 sensor_msgs::ImagePtr makeOverlay(const cv::Mat& left, const GridState& state) {
   auto message = boost::make_shared<sensor_msgs::Image>();
@@ -80,7 +84,8 @@ FrameResult FrameProcessor::process(const StereoPair& pair, const StereoGeometry
 
   const MatchResult& result = matcher_.match(grey.left, grey.right, frame.plan);
   frame.times = result.times;
-  frame.disparity = toDisparityImage(result, geometry, header);
+  frame.disparity = freeMessage();
+  fillDisparityImage(result, geometry, header, frame.disparity.get());
   frame.grid_state = toGridState(header, motion, frame.state, frame.plan,
                                  cellStatistics(result, geometry, frame.plan), guidance);
   frame.grid_state->governor_step = static_cast<std::uint8_t>(step);
@@ -92,6 +97,18 @@ FrameResult FrameProcessor::process(const StereoPair& pair, const StereoGeometry
   governor_.update(spent + side_time_, config_.target_period);
   side_time_ = 0.0;
   return frame;
+}
+
+stereo_msgs::DisparityImagePtr FrameProcessor::freeMessage() {
+  // To get fresh memory of an image's size from the system takes longer than to write the image.
+  for (const stereo_msgs::DisparityImagePtr& message : messages_) {
+    if (message.use_count() != 1) continue;
+    std::atomic_thread_fence(std::memory_order_acquire);  // whoever had it has read it
+    return message;
+  }
+  const auto message = boost::make_shared<stereo_msgs::DisparityImage>();
+  if (messages_.size() < kMostMessages) messages_.push_back(message);
+  return message;
 }
 
 SideOutputs FrameProcessor::makeSideOutputs(const FrameResult& frame, const WantedOutputs& wanted) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <boost/make_shared.hpp>
 
 #include "support/synthetic_pair.h"
 
@@ -39,10 +40,35 @@ std_msgs::Header makeHeader() {
   return header;
 }
 
+stereo_msgs::DisparityImagePtr toDisparityImage(const MatchResult& result,
+                                                const StereoGeometry& geometry,
+                                                const std_msgs::Header& header) {
+  auto message = boost::make_shared<stereo_msgs::DisparityImage>();
+  fillDisparityImage(result, geometry, header, message.get());
+  return message;
+}
+
 float at(const sensor_msgs::Image& image, unsigned x, unsigned y) {
   float value = 0.0F;
   std::memcpy(&value, &image.data[y * image.step + x * sizeof(float)], sizeof(value));
   return value;
+}
+
+TEST(DisparityImage, LeavesNothingOfAnOlderOneInItsMessage) {
+  MatchResult older = makeResult(100, 40, 5 * kDisparityScale, 2, 48);
+  std_msgs::Header header = makeHeader();
+  header.frame_id = "older";
+  const auto message = toDisparityImage(older, makeGeometry(4.5), header);
+  const MatchResult result = makeResult(60, 50, 7 * kDisparityScale);
+  fillDisparityImage(result, makeGeometry(), makeHeader(), message.get());
+  const auto fresh = toDisparityImage(result, makeGeometry(), makeHeader());
+  const auto bytes = [](const stereo_msgs::DisparityImage& of) {
+    std::vector<std::uint8_t> written(ros::serialization::serializationLength(of));
+    ros::serialization::OStream stream(written.data(), static_cast<std::uint32_t>(written.size()));
+    ros::serialization::serialize(stream, of);
+    return written;
+  };
+  EXPECT_EQ(bytes(*fresh), bytes(*message));
 }
 
 TEST(DisparityImage, HoldsEveryFieldOfTheSpecification) {

@@ -1,6 +1,8 @@
 #include "adaptive_grid_stereo/ros/frame_processor.h"
 
 #include <chrono>
+#include <cstdint>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -49,6 +51,24 @@ TEST(FrameProcessor, TurnsAPairAndAMotionIntoMessages) {
   EXPECT_EQ(frame.grid_state->paths[2], 4);
   EXPECT_GT(frame.grid_state->processing_time, 0.0);
   EXPECT_GT(frame.times.total, 0.0);
+}
+
+TEST(FrameProcessor, LeavesMessagesAloneThatSomebodyHas) {
+  FrameProcessor processor(smallConfig());
+  std::vector<FrameResult> held;
+  std::vector<std::vector<std::uint8_t>> data;
+  for (int i = 0; i < 8; ++i) {
+    held.push_back(processOne(processor, 4 + i, 10.0 + i, Motion()));
+    data.push_back(held.back().disparity->image.data);
+    if (i % 3 == 0) {  // some are given back, and may be used again
+      held.pop_back();
+      data.pop_back();
+    }
+  }
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    EXPECT_EQ(data[i], held[i].disparity->image.data) << i;
+    EXPECT_EQ(held[i].grid_state->header.stamp, held[i].disparity->header.stamp) << i;
+  }
 }
 
 TEST(FrameProcessor, MakesSideOutputsOnlyIfWanted) {

@@ -48,10 +48,10 @@ sensor_msgs::RegionOfInterest validWindow(int width, int height, int min_dispari
 /// off once, also from min_disparity and max_disparity. Invalid pixels hold the one value
 /// min_disparity - 1. If no pixel is invalid, the first one is made so, because
 /// cv::reprojectImageTo3D (and with it stereo_image_proc/point_cloud2) takes the smallest value of
-/// the image for the mark of invalid pixels and would drop the farthest surface.
-stereo_msgs::DisparityImagePtr toDisparityImage(const MatchResult& result,
-                                                const StereoGeometry& geometry,
-                                                const std_msgs::Header& header);
+/// the image for the mark of invalid pixels and would drop the farthest surface. All of the message
+/// is written anew; its memory is used again if it is large enough.
+void fillDisparityImage(const MatchResult& result, const StereoGeometry& geometry,
+                        const std_msgs::Header& header, stereo_msgs::DisparityImage* message);
 
 /// Depth along the optical axis, 32FC1 [m] (REP-118): NaN where invalid, +Inf for disparities <= 0.
 sensor_msgs::ImagePtr toDepthImage(const stereo_msgs::DisparityImage& disparity);

@@ -1,6 +1,8 @@
 #ifndef ADAPTIVE_GRID_STEREO_ROS_FRAME_PROCESSOR_H
 #define ADAPTIVE_GRID_STEREO_ROS_FRAME_PROCESSOR_H
 
+#include <vector>
+
 #include <sensor_msgs/Image.h>
 #include <stereo_msgs/DisparityImage.h>
 #include <opencv2/core.hpp>
@@ -38,6 +40,7 @@ struct WantedOutputs {
 };
 
 struct FrameResult {
+  /// Used again for a later frame once nobody has it any more.
   stereo_msgs::DisparityImagePtr disparity;
   /// Complete but for `latency` and `frames_dropped`, which are the caller's to fill.
   GridStatePtr grid_state;
@@ -86,11 +89,16 @@ class FrameProcessor {
   void reset();
 
  private:
+  // A message that nobody else has.
+  stereo_msgs::DisparityImagePtr freeMessage();
+
   ProcessorConfig config_;
   StereoMatcher matcher_;
   FlightStateMachine state_machine_;
   DeadlineGovernor governor_;
   double side_time_ = 0.0;  // of side outputs since the last frame [s]
+  // Of the last frames; some may be with subscribers still.
+  std::vector<stereo_msgs::DisparityImagePtr> messages_;
 };
 
 }  // namespace adaptive_grid_stereo
