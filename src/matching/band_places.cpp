@@ -1,6 +1,7 @@
 #include "src/matching/band_places.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace adaptive_grid_stereo {
 namespace {
@@ -73,9 +74,10 @@ StepPlaces BandPlaces::findTable(const Table& wanted, int width, std::uint8_t* z
            known.rows == wanted.rows;
   });
   if (table == tables_.end()) {
-    table = tables_.insert(table, wanted);
+    Table made = wanted;
     const BandSteps steps{wanted.rows, wanted.begin, wanted.end, width};
-    table->places = steps.placesFor(wanted.kind, zero);
+    made.places = steps.placesFor(wanted.kind, zero);
+    table = tables_.insert(table, std::move(made));
   }
   // Of step 0, in the first row of the band.
   return table->places.data() + kPlacesPerStep * (kStepsBack - table->begin) + kRowsAbove;

@@ -28,9 +28,9 @@ struct BandPathRows {
 /// Where the path costs of a sweep's rows lie: in as little memory as their readers allow, so that
 /// it stays in the caches. A band leaves its last row to the next one, and of the row before it the
 /// pixels of cells of 16 paths, as no other path skips a row; of the rest only the last few pixels
-/// of a row are kept, in rings. Each strip writes over what it wrote for
-/// the band before. But for pixels near a border between strips, which the neighbour may still
-/// read: there, bands take turns (BandTurns).
+/// of a row are kept, in rings. Each strip writes over what it wrote for the band before. But for
+/// pixels near a border between strips, which the neighbour may still read: there, bands take turns
+/// (BandTurns).
 class PathRows {
  public:
   /// Makes buffers for the size and for at most so many strips where they are too small. Path costs
