@@ -8,6 +8,7 @@
 #include <dynamic_reconfigure/server.h>
 #include <image_transport/image_transport.h>
 #include <nodelet/nodelet.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <pluginlib/class_list_macros.hpp>
 
@@ -28,11 +29,30 @@ namespace adaptive_grid_stereo {
 /// matched.
 constexpr int kBurst = 100;
 
+/// A callback queue and the thread that serves it. Not the manager's ones: their threads hold the
+/// nodelet while they run a callback, so it may end in one of them, after the manager has taken
+/// away the queues from which its subscriptions then remove themselves.
+class QueueThread {
+ public:
+  ros::NodeHandle handle(const ros::NodeHandle& like) {
+    ros::NodeHandle handle(like);
+    handle.setCallbackQueue(&queue_);
+    return handle;
+  }
+  void start() { spinner_.start(); }
+  /// No callback runs any more when it has returned. May be called again.
+  void stop() { spinner_.stop(); }
+
+ private:
+  ros::CallbackQueue queue_;
+  ros::AsyncSpinner spinner_{1, &queue_};
+};
+
 /// Stereo pairs and motion in, disparity and grid state out.
 ///
-/// Threads: images, reconfiguration, connections and timers run in the single-threaded queue,
-/// motion in the multi-threaded one. A worker thread owns the frame processor; it gets pairs
-/// through the mailbox and the configuration by copy at the start of a frame.
+/// Threads: one for images, reconfiguration, connections and timers, and one for motion. A worker
+/// thread owns the frame processor; it gets pairs through the mailbox and the configuration by copy
+/// at the start of a frame.
 class DisparityNodelet : public nodelet::Nodelet {
  public:
   ~DisparityNodelet() override;
@@ -67,7 +87,11 @@ class DisparityNodelet : public nodelet::Nodelet {
   // After the disparity, which does not wait for pictures.
   void publishSideOutputs(const FrameResult& result);
 
-  NodeConfig config_;  // single-threaded queue; its processor part under config_mutex_
+  // Before all that has callbacks in them.
+  QueueThread main_thread_, motion_thread_;
+  ros::NodeHandle handle_, private_handle_;  // of main_thread_
+
+  NodeConfig config_;  // main_thread_'s; its processor part under config_mutex_
   std::mutex config_mutex_;
   bool config_changed_ = false;  // under config_mutex_
 
@@ -105,6 +129,8 @@ void DisparityNodelet::shutDown() {
   if (sync_) sync_->unsubscribe();
   if (motion_) motion_->unsubscribe();
   if (mailbox_) mailbox_->stop();
+  motion_thread_.stop();
+  main_thread_.stop();
   if (processor_) processor_->cancel();
   if (worker_.joinable()) worker_.join();
   if (outputs_) outputs_->stop();
@@ -116,39 +142,40 @@ void DisparityNodelet::onInit() {
   } catch (const std::exception& error) {
     // The loader swallows the reason.
     NODELET_FATAL("%s: %s", getName().c_str(), error.what());
-    // Now, since the loader takes the callback queues away before it destroys us.
     shutDown();
     throw;
   }
 }
 
 void DisparityNodelet::setUp() {
-  ros::NodeHandle& private_handle = getPrivateNodeHandle();
+  handle_ = main_thread_.handle(getNodeHandle());
+  private_handle_ = main_thread_.handle(getPrivateNodeHandle());
   std::vector<std::string> warnings;
-  config_ = readNodeConfig(privateParameters(private_handle), warnings);
+  config_ = readNodeConfig(privateParameters(private_handle_), warnings);
   processor_ = std::make_unique<FrameProcessor>(config_.processor);
   motion_ = std::make_unique<MotionSubscriber>(config_.motion);
   mailbox_ = std::make_unique<FrameMailbox>(
       config_.process_every_frame ? FrameMailbox::Mode::kEvery : FrameMailbox::Mode::kNewest);
   config_.image_transport = usableTransport(warnings);
   setUpSync();
-  diagnostics_ =
-      std::make_unique<NodeDiagnostics>(getNodeHandle(), private_handle, getName(),
-                                        [this](NodeReport& report) { fillReport(report); });
+  diagnostics_ = std::make_unique<NodeDiagnostics>(
+      handle_, private_handle_, getName(), [this](NodeReport& report) { fillReport(report); });
   setUpReconfigure();
   reportStart(warnings);
-  motion_->subscribe(getMTNodeHandle());
+  motion_->subscribe(motion_thread_.handle(getNodeHandle()));
   worker_ = std::thread([this] { work(); });
   const std::lock_guard<std::mutex> lock(connect_mutex_);
-  outputs_ = std::make_unique<Outputs>(getNodeHandle(), config_.process_every_frame ? kBurst : 1,
+  outputs_ = std::make_unique<Outputs>(handle_, config_.process_every_frame ? kBurst : 1,
                                        [this] { onConnection(); });
   if (!config_.lazy) sync_->subscribe();
+  motion_thread_.start();
+  main_thread_.start();
 }
 
 std::string DisparityNodelet::usableTransport(std::vector<std::string>& warnings) {
   const std::string& wanted = config_.image_transport;
   std::string installed;
-  const image_transport::ImageTransport transport(getNodeHandle());
+  const image_transport::ImageTransport transport(handle_);
   for (std::string name : transport.getLoadableTransports()) {
     name = name.substr(name.find('/') + 1);  // of "package/name"
     if (name == wanted) return wanted;
@@ -158,7 +185,7 @@ std::string DisparityNodelet::usableTransport(std::vector<std::string>& warnings
                      installed + "); raw is used. Install its plugin, e.g. the package " + wanted +
                      "_image_transport, or correct the name");
   // Where image_transport itself looks.
-  getPrivateNodeHandle().setParam("image_transport", "raw");
+  private_handle_.setParam("image_transport", "raw");
   return "raw";
 }
 
@@ -171,13 +198,12 @@ void DisparityNodelet::setUpSync() {
       config_.process_every_frame ? std::max(config_.queue_size, kBurst) : config_.queue_size;
   options.image_transport = config_.image_transport;
   sync_ = std::make_unique<StereoSync>(
-      getNodeHandle(), getPrivateNodeHandle(), options,
-      [this](const StereoPair& pair) { onPair(pair); },
+      handle_, private_handle_, options, [this](const StereoPair& pair) { onPair(pair); },
       [this](const ros::Time& stamp) { onJump(stamp); });
 }
 
 void DisparityNodelet::setUpReconfigure() {
-  reconfigure_ = std::make_unique<ReconfigureServer>(reconfigure_mutex_, getPrivateNodeHandle());
+  reconfigure_ = std::make_unique<ReconfigureServer>(reconfigure_mutex_, private_handle_);
   reconfigure_->setCallback(
       [this](DisparityConfig& reconfigure, std::uint32_t) { onReconfigure(reconfigure); });
 }
@@ -193,7 +219,7 @@ void DisparityNodelet::reportStart(const std::vector<std::string>& warnings) {
 #endif
 }
 
-// Single-threaded queue ---------------------------------------------------------------------------
+// Main thread -------------------------------------------------------------------------------------
 
 void DisparityNodelet::onConnection() {
   // The first connection may come while the publishers are still being made.
