@@ -55,8 +55,8 @@ class MotionSubscriber {
   explicit MotionSubscriber(const MotionConfig& config);
   ~MotionSubscriber();
 
-  /// Subscribes imu, odom, gps/vel, gps/fix, mag in `nh` (give it a multi-threaded callback queue),
-  /// and TF. Calling it again replaces the subscriptions.
+  /// Subscribes imu, odom, gps/vel, gps/fix, mag in `nh` (give it a callback queue that images do
+  /// not hold up), and TF. Calling it again replaces the subscriptions.
   void subscribe(ros::NodeHandle nh);
   void unsubscribe();
 
