@@ -55,7 +55,7 @@ HWY_EXPORT(Recurrence);
 std::int64_t runRecurrenceInCache(int pixels) {
   // Four rows take turns, each behind the one above, as in a band (or else a pixel would wait for
   // the one before it). The two rows above are the last ones. A ring of eight pixels each.
-  constexpr int kRange = 64, kRing = 8, kSteps = 64, kStepsBack = kRowsAbove * kBandLag + 1;
+  constexpr int kRange = 64, kRing = 8, kSteps = 64;
   constexpr std::size_t kStride = kPixelHeader + (kSweepDirections + 1) * kRange;
   alignas(64) static std::uint8_t costs[kBandRows * kRing * kStride + kMaxLanes];
   static const std::vector<std::uint8_t> penalties(penaltyPlace(kSteps, 0), 40);

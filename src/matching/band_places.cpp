@@ -11,10 +11,6 @@ namespace {
 // tables.
 constexpr std::size_t kMostAnswers = 64;
 
-// How many steps before its own a pixel's paths come from: from the second row above, one pixel
-// before.
-constexpr int kStepsBack = kRowsAbove * kBandLag + 1;
-
 // Steps of a band and the rows that they go through.
 struct BandSteps {
   const BandPathRows& rows;

@@ -63,6 +63,10 @@ using PathRow = std::uint8_t* const*;
 /// The rows above a band that its paths come from.
 constexpr int kRowsAbove = 2;
 
+/// How many steps before its own a pixel's paths come from: from the second row above, one pixel
+/// before.
+constexpr int kStepsBack = kRowsAbove * kBandLag + 1;
+
 /// Where the path costs of the pixels lie that a band's rows have at a step: [kPlacesPerStep * step
 /// + row]. Rows -1 and -2 are those above the band, as if they went ahead of its first row as rows
 /// of a band do. So kernels load the places of a pixel and of all that its paths come from at fixed
