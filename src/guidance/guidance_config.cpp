@@ -1,6 +1,6 @@
 #include "adaptive_grid_stereo/guidance/guidance_config.h"
 
-#include "corrections.h"
+#include "src/common/corrections.h"
 
 namespace adaptive_grid_stereo {
 

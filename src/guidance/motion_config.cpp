@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "corrections.h"
+#include "src/common/corrections.h"
 
 namespace adaptive_grid_stereo {
 
@@ -45,16 +45,15 @@ VelocityAxes velocityAxesFromString(const std::string& name) {
   for (const VelocityAxes axes : kVelocityAxes) {
     if (name == toString(axes)) return axes;
   }
-  throw std::invalid_argument("velocity axes '" + name +
-                              "' are unknown, expected body_flu, body_frd, enu or ned");
+  throw std::invalid_argument("velocity axes '" + name + "' are unknown, expected " +
+                              kVelocityAxesNames);
 }
 
 RateAxes rateAxesFromString(const std::string& name) {
   for (const RateAxes axes : kRateAxes) {
     if (name == toString(axes)) return axes;
   }
-  throw std::invalid_argument("body axes '" + name +
-                              "' are unknown, expected body_flu or body_frd");
+  throw std::invalid_argument("body axes '" + name + "' are unknown, expected " + kRateAxesNames);
 }
 
 std::vector<std::string> MotionConfig::validate() {

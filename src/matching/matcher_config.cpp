@@ -1,9 +1,9 @@
 #include "adaptive_grid_stereo/matching/matcher_config.h"
 
 #include <algorithm>
-#include <cmath>
-#include <sstream>
 #include <stdexcept>
+
+#include "src/common/corrections.h"
 
 namespace adaptive_grid_stereo {
 
@@ -23,43 +23,12 @@ CensusWindow censusWindowFromString(const std::string& name) {
   for (const CensusWindow window : {CensusWindow::k5x5, CensusWindow::k7x7, CensusWindow::k9x7}) {
     if (name == toString(window)) return window;
   }
-  throw std::invalid_argument("census_window '" + name + "' is unknown, expected 5x5, 7x7 or 9x7");
+  throw std::invalid_argument("census_window '" + name + "' is unknown, expected " +
+                              kCensusWindowNames);
 }
 
-namespace {
-
-class Corrections {
- public:
-  template <typename T>
-  void limit(const char* name, T low, T high, T* value) {
-    set(name, std::isnan(static_cast<double>(*value)) ? low : std::clamp(*value, low, high),
-        "legal range " + text(low) + ".." + text(high), value);
-  }
-
-  template <typename T>
-  void set(const char* name, T wanted, const std::string& reason, T* value) {
-    if (*value == wanted) return;
-    sentences_.push_back(std::string(name) + ": " + text(*value) + " -> " + text(wanted) + " (" +
-                         reason + ")");
-    *value = wanted;
-  }
-
-  std::vector<std::string> take() { return std::move(sentences_); }
-
- private:
-  template <typename T>
-  static std::string text(T value) {
-    std::ostringstream stream;
-    stream << value;
-    return stream.str();
-  }
-
-  std::vector<std::string> sentences_;
-};
-
-}  // namespace
-
 std::vector<std::string> MatcherConfig::validate() {
+  const MatcherConfig defaults;
   Corrections corrections;
   corrections.limit("min_disparity", -1024, 1024, &min_disparity);
   corrections.limit("disparity_range", 16, 512, &disparity_range);
@@ -72,8 +41,8 @@ std::vector<std::string> MatcherConfig::validate() {
   corrections.limit("penalty_large", 1, 2000, &penalty_large);
   corrections.set("penalty_large", std::max(penalty_large, penalty_small + 1),
                   "must exceed penalty_small", &penalty_large);
-  corrections.limit("uniqueness_ratio", 0.0, 99.0, &uniqueness_ratio);
-  corrections.limit("min_contrast", 0.0, 100.0, &min_contrast);
+  corrections.limit("uniqueness_ratio", 0.0, 99.0, defaults.uniqueness_ratio, &uniqueness_ratio);
+  corrections.limit("min_contrast", 0.0, 100.0, defaults.min_contrast, &min_contrast);
   corrections.limit("disp12MaxDiff", -1, 512, &disp12_max_diff);
   corrections.limit("speckle_size", 0, 100000, &speckle_size);
   corrections.limit("speckle_range", 0, 512, &speckle_range);

@@ -5,6 +5,7 @@
 
 #include "adaptive_grid_stereo/matching/refinement.h"
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
+#include "src/matching/row_parts.h"
 
 // A plain loop, which the compiler turns into each target's vectors.
 #undef HWY_TARGET_INCLUDE
@@ -96,9 +97,9 @@ void SmallRegions::start(const cv::Mat& disparity, int max_step, int parts) {
 
 void SmallRegions::find(int index) {
   Part& part = parts_[index];
-  const int parts = static_cast<int>(parts_.size());
-  part.first_row = disparity_.rows * index / parts;
-  part.end_row = disparity_.rows * (index + 1) / parts;
+  const RowRange rows = rowsOfPart(disparity_.rows, index, static_cast<int>(parts_.size()));
+  part.first_row = rows.first;
+  part.end_row = rows.last;
   part.runs.clear();
   part.row_begin.assign(1, 0);
   for (int y = part.first_row; y < part.end_row; ++y) {

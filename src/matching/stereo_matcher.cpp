@@ -8,6 +8,7 @@
 #include "adaptive_grid_stereo/matching/padded_image.h"
 #include "adaptive_grid_stereo/matching/refinement.h"
 #include "adaptive_grid_stereo/matching/simd_target.h"
+#include "src/matching/row_parts.h"
 #include "src/matching/stopwatch.h"
 #include "src/matching/sweeps.h"
 #include "src/matching/thread_pool.h"
@@ -78,38 +79,35 @@ void StereoMatcher::Impl::pad(const cv::Mat& left_image, const cv::Mat& right_im
   left.reserve(left_image);
   left_mirrored.reserve(left_image);
   right_mirrored.reserve(right_image);
-  const int height = left_image.rows, threads = pool->size();
-  pool->run([&](int thread) {
-    const int begin = height * thread / threads, end = height * (thread + 1) / threads;
-    left.copyRows(left_image, false, begin, end);
-    left_mirrored.copyRows(left_image, true, begin, end);
-    right_mirrored.copyRows(right_image, true, begin, end);
+  forRowParts(left_image.rows, pool.get(), [&](int, RowRange rows) {
+    left.copyRows(left_image, false, rows.first, rows.last);
+    left_mirrored.copyRows(left_image, true, rows.first, rows.last);
+    right_mirrored.copyRows(right_image, true, rows.first, rows.last);
   });
 }
 
 void StereoMatcher::Impl::refine() {
-  const int threads = pool->size(), height = unfiltered.rows;
   // A thread's part is about that of the rows that it has selected, which are in its caches.
-  const auto forParts = [&](const auto& f) {
-    pool->run([&](int part) { f(part, height * part / threads, height * (part + 1) / threads); });
-  };
+  const auto forParts = [&](const auto& f) { forRowParts(unfiltered.rows, pool.get(), f); };
   if (config.min_contrast > 0.0) {
-    forParts([&](int, int first, int last) {
-      removeLowContrast(left, config.census_window, config.min_contrast, first, last, &unfiltered);
+    forParts([&](int, RowRange rows) {
+      removeLowContrast(left, config.census_window, config.min_contrast, rows.first, rows.last,
+                        &unfiltered);
     });
   }
   if (config.speckle_size > 0) {
-    regions.start(unfiltered, config.speckle_range * kDisparityScale, threads);
-    forParts([&](int part, int, int) { regions.find(part); });
+    regions.start(unfiltered, config.speckle_range * kDisparityScale, pool->size());
+    pool->run([&](int part) { regions.find(part); });
     regions.join();
-    forParts([&](int part, int, int) { regions.erase(part, config.speckle_size, &unfiltered); });
+    pool->run([&](int part) { regions.erase(part, config.speckle_size, &unfiltered); });
   }
   if (!config.median_filter) {
     unfiltered.copyTo(result.disparity);
     return;
   }
-  forParts(
-      [&](int, int first, int last) { medianOfValid(unfiltered, first, last, &result.disparity); });
+  forParts([&](int, RowRange rows) {
+    medianOfValid(unfiltered, rows.first, rows.last, &result.disparity);
+  });
 }
 
 const MatchResult& StereoMatcher::match(const cv::Mat& left, const cv::Mat& right,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/matching/row_parts.h"
 #include "src/matching/stopwatch.h"
 
 namespace adaptive_grid_stereo {
@@ -101,14 +102,9 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
     }
   }
   for (Worker& worker : workers_) worker.census_time = 0.0;
-  const auto forRowsOfEach = [&](const auto& f) {
-    pool->run([&](int thread) {
-      f(height * thread / threads_, height * (thread + 1) / threads_, thread);
-    });
-  };
   if (!bands_only_) {
-    forRowsOfEach([&](int first, int last, int thread) {
-      makeCensus(images, first, last, kDown, thread, &workers_[thread]);
+    forRowParts(height, pool, [&](int thread, RowRange rows) {
+      makeCensus(images, rows.first, rows.last, kDown, thread, &workers_[thread]);
     });
   }
   strips_.assign(plan, threads_, &stop);
@@ -127,8 +123,8 @@ void Sweeps::run(const SweepImages& images, const PathPlan& plan, const std::ato
         });
   });
   if (stop || bands_only_) return;  // selected on the way
-  forRowsOfEach([&](int first, int last, int thread) {
-    selectRows(first, last, kDown, &workers_[thread].buffers, disparity);
+  forRowParts(height, pool, [&](int thread, RowRange rows) {
+    selectRows(rows.first, rows.last, kDown, &workers_[thread].buffers, disparity);
   });
 }
 

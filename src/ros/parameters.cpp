@@ -92,26 +92,24 @@ void take(XmlRpcValue raw, std::array<double, 3>& value) {
 }
 
 template <typename Enum, typename Parser>
-void takeEnum(const XmlRpcValue& raw, Parser parser, Enum& value) {
+void takeEnum(const XmlRpcValue& raw, Parser parser, const char* names, Enum& value) {
   std::string name;
   take(raw, name);
   try {
     value = parser(name);
-  } catch (const std::invalid_argument& error) {
-    // The caller says the value itself.
-    const std::string sentence = error.what(), before = "expected ";
-    const std::size_t at = sentence.find(before);
-    throw std::invalid_argument(at == std::string::npos ? sentence
-                                                        : sentence.substr(at + before.size()));
+  } catch (const std::invalid_argument&) {
+    throw std::invalid_argument(names);  // the caller says the value itself
   }
 }
 void take(const XmlRpcValue& raw, CensusWindow& value) {
-  takeEnum(raw, censusWindowFromString, value);
+  takeEnum(raw, censusWindowFromString, kCensusWindowNames, value);
 }
 void take(const XmlRpcValue& raw, VelocityAxes& value) {
-  takeEnum(raw, velocityAxesFromString, value);
+  takeEnum(raw, velocityAxesFromString, kVelocityAxesNames, value);
 }
-void take(const XmlRpcValue& raw, RateAxes& value) { takeEnum(raw, rateAxesFromString, value); }
+void take(const XmlRpcValue& raw, RateAxes& value) {
+  takeEnum(raw, rateAxesFromString, kRateAxesNames, value);
+}
 
 /// Number of letters to change, add or leave out between two names.
 std::size_t editDistance(const std::string& a, const std::string& b) {

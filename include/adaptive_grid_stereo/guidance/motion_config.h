@@ -54,6 +54,8 @@ struct MotionConfig {
 /// Names as in the parameters; the parsers throw std::invalid_argument, listing the legal names.
 const char* toString(VelocityAxes axes);
 const char* toString(RateAxes axes);
+constexpr char kVelocityAxesNames[] = "body_flu, body_frd, enu or ned";
+constexpr char kRateAxesNames[] = "body_flu or body_frd";
 VelocityAxes velocityAxesFromString(const std::string& name);
 RateAxes rateAxesFromString(const std::string& name);
 

@@ -9,8 +9,9 @@ namespace adaptive_grid_stereo {
 /// Census windows, width x height [px]; the value is the number of bits of the census string.
 enum class CensusWindow { k5x5 = 24, k7x7 = 48, k9x7 = 62 };
 
-/// "5x5", "7x7" or "9x7".
+/// One of kCensusWindowNames.
 const char* toString(CensusWindow window);
+constexpr char kCensusWindowNames[] = "5x5, 7x7 or 9x7";
 
 /// The window of that name; throws std::invalid_argument, listing the legal names, for any other.
 CensusWindow censusWindowFromString(const std::string& name);

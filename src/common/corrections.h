@@ -1,5 +1,5 @@
-#ifndef ADAPTIVE_GRID_STEREO_SRC_GUIDANCE_CORRECTIONS_H
-#define ADAPTIVE_GRID_STEREO_SRC_GUIDANCE_CORRECTIONS_H
+#ifndef ADAPTIVE_GRID_STEREO_SRC_COMMON_CORRECTIONS_H
+#define ADAPTIVE_GRID_STEREO_SRC_COMMON_CORRECTIONS_H
 
 #include <algorithm>
 #include <cmath>
@@ -13,10 +13,14 @@ namespace adaptive_grid_stereo {
 /// Brings parameters into their ranges and keeps one sentence per value that had to change.
 class Corrections {
  public:
-  /// Limits a value to [low, high]; NaN becomes `fallback`.
+  /// Limits a value to [low, high].
+  void limit(const char* name, int low, int high, int* value) {
+    set(name, std::clamp(*value, low, high), rangeOf(low, high), value);
+  }
+  /// The same; NaN becomes `fallback`.
   void limit(const char* name, double low, double high, double fallback, double* value) {
     const double wanted = std::isnan(*value) ? fallback : std::clamp(*value, low, high);
-    set(name, wanted, "legal range " + text(low) + ".." + text(high), value);
+    set(name, wanted, rangeOf(low, high), value);
   }
 
   template <typename T>
@@ -31,6 +35,11 @@ class Corrections {
 
  private:
   template <typename T>
+  static std::string rangeOf(T low, T high) {
+    return "legal range " + text(low) + ".." + text(high);
+  }
+
+  template <typename T>
   static std::string text(const T& value) {
     std::ostringstream stream;
     stream << value;
@@ -42,4 +51,4 @@ class Corrections {
 
 }  // namespace adaptive_grid_stereo
 
-#endif  // ADAPTIVE_GRID_STEREO_SRC_GUIDANCE_CORRECTIONS_H
+#endif  // ADAPTIVE_GRID_STEREO_SRC_COMMON_CORRECTIONS_H
