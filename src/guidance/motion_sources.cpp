@@ -58,13 +58,7 @@ bool allowed(const std::string& chosen, const char* source) {
 template <typename Sample>
 bool delivered(const SampleBuffer<Sample>& samples, double time, double timeout) {
   if (samples.empty()) return !samples.awaited();
-  if (samples.back().stamp >= time) return true;
-  const double missing = time - samples.back().stamp;
-  if (missing > timeout) return true;  // silent: nothing to wait for
-  const double period = samples.period();
-  // A fast source is waited for until its next sample, which the interpolation wants; a slow one
-  // only if a sample is due. The first samples do not tell yet which it is.
-  return period > 1.5 * kInterpolationReach && missing < 0.8 * period;
+  return !isDue(time - samples.back().stamp, samples.period(), timeout);
 }
 
 }  // namespace

@@ -7,12 +7,15 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include <tf2/buffer_core.h>
 
 #include "adaptive_grid_stereo/guidance/motion_estimator.h"
 #include "adaptive_grid_stereo/guidance/motion_history.h"
+#include "adaptive_grid_stereo/guidance/sample_buffer.h"
 #include "adaptive_grid_stereo/ros/stamps.h"
 #include "motion_messages.h"
 #include "mounting_lookup.h"
@@ -25,6 +28,8 @@ constexpr double kTfCache = 30.0;         // [s]
 constexpr double kFutureTolerance = 0.1;  // [s] by which stamps may lie ahead of the clock
 /// Transforms that may come before the images' stamps follow theirs back.
 constexpr std::size_t kMostAhead = 2000;
+/// Stamps of a moving frame by which to tell how often its transforms come.
+constexpr std::size_t kTransformStamps = 17;
 /// Shortest time over which the directions of a camera on a gimbal are differenced [s].
 constexpr double kShortestInterval = 0.05;
 
@@ -48,6 +53,9 @@ struct MotionSubscriber::Impl {
   void acceptTransforms(const tf2_msgs::TFMessage& message, bool is_static);
   void acceptTransform(const geometry_msgs::TransformStamped& transform, bool is_static);
   void noteTransform(const geometry_msgs::TransformStamped& transform);
+  // Whether a transform is to be expected without which the camera's mounting at the stamp is not
+  // quite known. Under the mutex.
+  bool transformIsDue(const ros::Time& stamp, const std::string& optical_frame) const;
   MotionConfig currentConfig() const {
     const std::lock_guard<std::mutex> lock(mutex);
     return config;
@@ -62,11 +70,15 @@ struct MotionSubscriber::Impl {
   MotionHistory history;
   bool live = false;
   bool gave_up = false;  // waiting for publishers that send nothing
-  struct NewestTransform {
-    ros::Time stamp;
-    bool stepped_back = false;
+  struct TransformStamp {
+    double stamp;  // [s]
   };
-  std::map<std::string, NewestTransform> newest_transform;  // by child frame
+  struct MovingFrame {
+    ros::Time newest;
+    bool stepped_back = false;
+    SampleBuffer<TransformStamp> stamps{kTransformStamps};
+  };
+  std::map<std::string, MovingFrame> moving_frames;  // by child frame
   /// Transforms of frames whose stamps have stepped back while those of the images have not yet.
   std::deque<geometry_msgs::TransformStamped> ahead;
   bool await_transforms = false;  // there were some before the stamps started over
@@ -140,10 +152,10 @@ void MotionSubscriber::Impl::acceptTransform(const geometry_msgs::TransformStamp
 
 void MotionSubscriber::Impl::noteTransform(const geometry_msgs::TransformStamped& transform) {
   const std::lock_guard<std::mutex> lock(mutex);
-  NewestTransform& newest = newest_transform[transform.child_frame_id];
-  const double step_back = secondsBetween(transform.header.stamp, newest.stamp);
-  newest.stepped_back = newest.stepped_back || step_back > StampWatch::kJump;
-  if (newest.stepped_back) {
+  MovingFrame& frame = moving_frames[transform.child_frame_id];
+  const double step_back = secondsBetween(transform.header.stamp, frame.newest);
+  frame.stepped_back = frame.stepped_back || step_back > StampWatch::kJump;
+  if (frame.stepped_back) {
     ahead.push_back(transform);
     if (ahead.size() > kMostAhead) ahead.pop_front();
   }
@@ -151,9 +163,10 @@ void MotionSubscriber::Impl::noteTransform(const geometry_msgs::TransformStamped
   // when stamps start over, that would be everything.
   if (step_back > kTfCache) {
     tf.clear();
-    newest.stamp = ros::Time();
+    frame.newest = ros::Time();
   }
-  newest.stamp = std::max(newest.stamp, transform.header.stamp);
+  frame.newest = std::max(frame.newest, transform.header.stamp);
+  frame.stamps.insert({transform.header.stamp.toSec()}, config.motion_timeout);
   await_transforms = false;
 }
 
@@ -255,20 +268,26 @@ Motion MotionSubscriber::motionAt(const ros::Time& stamp, const std::string& lef
 
 bool MotionSubscriber::ready(const ros::Time& stamp, const std::string& left_optical_frame) const {
   if (!impl_->estimator.ready(stamp.toSec())) return false;
-  std::string body;
-  double timeout = 0.0;
-  {
-    const std::lock_guard<std::mutex> lock(impl_->mutex);
-    if (impl_->await_transforms && !left_optical_frame.empty()) return false;
-    const MotionConfig& config = impl_->config;
-    timeout = config.motion_timeout;
-    body = config.body_frame;
-    if (body.empty()) {
-      const bool odom = config.rate_source == "odom" || impl_->frames[kImu].empty();
-      body = impl_->frames[odom ? kOdom : kImu];
-    }
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  if (impl_->await_transforms && !left_optical_frame.empty()) return false;
+  return !impl_->transformIsDue(stamp, left_optical_frame);
+}
+
+bool MotionSubscriber::Impl::transformIsDue(const ros::Time& stamp,
+                                            const std::string& optical_frame) const {
+  std::string body = config.body_frame;
+  if (body.empty()) {
+    const bool odom = config.rate_source == "odom" || frames[kImu].empty();
+    body = frames[odom ? kOdom : kImu];
   }
-  return mountingReady(impl_->tf, left_optical_frame, body, stamp.toSec(), timeout);
+  const std::optional<ros::Time> newest = newestMounting(tf, optical_frame, body, stamp.toSec());
+  if (!newest) return false;
+  double period = 0.0;
+  for (const auto& [name, frame] : moving_frames) {
+    // The one that the others are ahead of.
+    if (frame.newest == *newest) period = frame.stamps.period();
+  }
+  return isDue(secondsBetween(*newest, stamp), period, config.motion_timeout);
 }
 
 Motion MotionSubscriber::waitForMotion(const ros::Time& stamp,
@@ -310,8 +329,8 @@ void MotionSubscriber::startOver(const ros::Time& stamp) {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
     impl_->tf.clear();
     ahead.swap(impl_->ahead);
-    impl_->await_transforms = !impl_->newest_transform.empty();
-    impl_->newest_transform.clear();
+    impl_->await_transforms = !impl_->moving_frames.empty();
+    impl_->moving_frames.clear();
     impl_->history.reset();
   }
   for (const auto& transform : ahead) impl_->acceptTransform(transform, false);

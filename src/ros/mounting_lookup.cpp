@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include <geometry_msgs/TransformStamped.h>
-#include <ros/time.h>
 #include <tf2/exceptions.h>
 
 namespace adaptive_grid_stereo {
@@ -38,24 +37,27 @@ std::optional<Mounting> lookUpMounting(const tf2::BufferCore& tf, const std::str
   if (!tf.canTransform(optical, body, ros::Time(0))) return std::nullopt;
   Mounting mounting;
   try {
-    double at = stamp;
-    if (!tf.canTransform(optical, body, ros::Time(stamp))) {
-      const double latest = tf.lookupTransform(optical, body, ros::Time(0)).header.stamp.toSec();
-      if (std::abs(stamp - latest) > timeout) {
-        char age[64];
-        std::snprintf(age, sizeof(age), "%.2f s %s", std::abs(stamp - latest),
-                      stamp > latest ? "old" : "ahead of the image");
-        mounting.error = "the transform from '" + body + "' to '" + optical + "' is " + age +
+    // TF's own stamps are asked for as they are: seconds in a double are rounded, and a stamp that
+    // is a tenth of a microsecond later than the latest one lies in its future.
+    ros::Time at(stamp);
+    if (!tf.canTransform(optical, body, at)) {
+      at = tf.lookupTransform(optical, body, ros::Time(0)).header.stamp;
+      const double age = stamp - at.toSec();
+      if (std::abs(age) > timeout) {
+        char text[64];
+        std::snprintf(text, sizeof(text), "%.2f s %s", std::abs(age),
+                      age > 0.0 ? "old" : "ahead of the image");
+        mounting.error = "the transform from '" + body + "' to '" + optical + "' is " + text +
                          "; is the gimbal's TF still published?";
         return mounting;
       }
-      at = latest;
     }
-    mounting.optical_from_body = rotationOf(tf.lookupTransform(optical, body, ros::Time(at)));
-    if (interval > 0.0 && representable(at - interval) &&
-        tf.canTransform(optical, body, ros::Time(at - interval))) {
+    mounting.optical_from_body = rotationOf(tf.lookupTransform(optical, body, at));
+    const double before_at = at.toSec() - interval;
+    if (interval > 0.0 && representable(before_at) &&
+        tf.canTransform(optical, body, ros::Time(before_at))) {
       const Eigen::Quaterniond before =
-          rotationOf(tf.lookupTransform(optical, body, ros::Time(at - interval)));
+          rotationOf(tf.lookupTransform(optical, body, ros::Time(before_at)));
       if (before.angularDistance(mounting.optical_from_body) > kSmallestTurn) {
         mounting.optical_from_body_before = before;
         mounting.interval = interval;
@@ -71,17 +73,16 @@ std::optional<Mounting> lookUpMounting(const tf2::BufferCore& tf, const std::str
   return mounting;
 }
 
-bool mountingReady(const tf2::BufferCore& tf, const std::string& optical_frame,
-                   const std::string& body_frame, double stamp, double timeout) {
+std::optional<ros::Time> newestMounting(const tf2::BufferCore& tf, const std::string& optical_frame,
+                                        const std::string& body_frame, double stamp) {
   const std::string optical = withoutSlash(optical_frame), body = withoutSlash(body_frame);
-  if (optical.empty() || body.empty() || !representable(stamp)) return true;
-  if (!tf.canTransform(optical, body, ros::Time(0))) return true;
-  if (tf.canTransform(optical, body, ros::Time(stamp))) return true;
+  if (optical.empty() || body.empty() || !representable(stamp)) return std::nullopt;
+  if (!tf.canTransform(optical, body, ros::Time(0))) return std::nullopt;
+  if (tf.canTransform(optical, body, ros::Time(stamp))) return std::nullopt;
   try {
-    const double latest = tf.lookupTransform(optical, body, ros::Time(0)).header.stamp.toSec();
-    return std::abs(stamp - latest) > timeout;
+    return tf.lookupTransform(optical, body, ros::Time(0)).header.stamp;
   } catch (const tf2::TransformException&) {
-    return true;
+    return std::nullopt;
   }
 }
 

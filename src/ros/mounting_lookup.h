@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include <ros/time.h>
 #include <tf2/buffer_core.h>
 
 #include "adaptive_grid_stereo/guidance/motion_estimator.h"
@@ -17,9 +18,10 @@ std::optional<Mounting> lookUpMounting(const tf2::BufferCore& tf, const std::str
                                        const std::string& body, double stamp, double interval,
                                        double timeout);
 
-/// Whether TF has the transform at `stamp` [s], or will not get it by waiting.
-bool mountingReady(const tf2::BufferCore& tf, const std::string& optical, const std::string& body,
-                   double stamp, double timeout);
+/// The stamp of the newest transform between the two where TF connects them, but not at `stamp`
+/// [s].
+std::optional<ros::Time> newestMounting(const tf2::BufferCore& tf, const std::string& optical,
+                                        const std::string& body, double stamp);
 
 }  // namespace adaptive_grid_stereo
 

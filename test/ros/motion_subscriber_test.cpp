@@ -184,6 +184,41 @@ TEST_F(MotionSubscriberTest, ReadyWaitsForSamplesAndTransforms) {
   EXPECT_TRUE(subscriber_.ready(ros::Time(12.005), "optical"));
 }
 
+TEST_F(MotionSubscriberTest, SlowTransformsAreWaitedForOnlyWhenTheyAreDue) {
+  for (double t = 10.0; t < 12.05; t += 0.1) subscriber_.add(mounting(t, 0.0), false);
+  fly(10.0, 12.3);
+  EXPECT_TRUE(subscriber_.ready(ros::Time(12.03), "optical")) << "the next one comes at 12.1";
+  EXPECT_FALSE(subscriber_.ready(ros::Time(12.09), "optical")) << "it may be there any moment";
+  subscriber_.add(mounting(12.1, 0.0), false);
+  EXPECT_TRUE(subscriber_.ready(ros::Time(12.09), "optical"));
+}
+
+TEST_F(MotionSubscriberTest, TransformsAreUsedWhateverTheirStampsRoundTo) {
+  const auto exactly = [](std::uint32_t nanoseconds) { return ros::Time(1700000000, nanoseconds); };
+  for (std::uint32_t odd = 0; odd < 40; ++odd) {
+    MotionSubscriber subscriber{MotionConfig()};
+    for (std::uint32_t i = 0; i < 20; ++i) {
+      sensor_msgs::Imu rates = imu(1.0);
+      rates.header.stamp = exactly(i * 10000000);
+      subscriber.add(rates);
+      nav_msgs::Odometry speed = odom(1.0);
+      speed.header.stamp = rates.header.stamp;
+      subscriber.add(speed);
+    }
+    tf2_msgs::TFMessage gimbal = mounting(1.0, 0.0);
+    const ros::Time newest = exactly(100000000 + 7 * odd);
+    for (const ros::Time& stamp : {exactly(50000000), newest}) {
+      gimbal.transforms[0].header.stamp = stamp;
+      subscriber.add(gimbal, false);
+    }
+    for (const ros::Time& image : {newest, exactly(150000000)}) {
+      const Motion motion = subscriber.motionAt(image, "optical");
+      EXPECT_TRUE(motion.valid) << motion.reason;
+      EXPECT_EQ(subscriber.status().mounting, "tf") << newest;
+    }
+  }
+}
+
 TEST_F(MotionSubscriberTest, StartingOverForgetsSamples) {
   fly(10.0, 12.0);
   EXPECT_TRUE(at(11.5).valid);

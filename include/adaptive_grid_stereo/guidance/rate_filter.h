@@ -9,10 +9,6 @@
 
 namespace adaptive_grid_stereo {
 
-/// Samples at most so far apart are joined by a straight line [s]; otherwise the earlier one holds
-/// until the later one comes. A live node can afford to wait so long for the later one.
-constexpr double kInterpolationReach = 0.025;
-
 /// One step of a first-order low-pass with time constant tau [s], exact for an input that runs in a
 /// straight line from `from` to `to` within dt [s].
 inline Eigen::Vector3d lowPassStep(const Eigen::Vector3d& output, const Eigen::Vector3d& from,

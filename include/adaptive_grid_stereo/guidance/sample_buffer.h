@@ -21,6 +21,19 @@ struct StampCounts {
   std::uint64_t clock_jumps = 0;   // backwards
 };
 
+/// Samples at most so far apart are joined by a straight line [s]; otherwise the earlier one holds
+/// until the later one comes. A live node can afford to wait so long for the later one.
+constexpr double kInterpolationReach = 0.025;
+
+/// Whether it is worth while to wait for the next sample of a source, whose newest one lies
+/// `missing` [s] before the stamp that is asked for; period [s]: 0 if unknown. A silent source is
+/// not waited for; a fast one until its next sample, which the interpolation wants; a slow one only
+/// if a sample is due. The first samples do not tell yet which it is.
+inline bool isDue(double missing, double period, double timeout) {
+  if (missing <= 0.0 || missing > timeout) return false;
+  return period <= 1.5 * kInterpolationReach || missing >= 0.8 * period;
+}
+
 /// The newest samples of one source, sorted by stamp. Sample has a member `stamp` [s].
 ///
 /// Stragglers are sorted in. Three samples in a row that lie more than kClockJump behind the newest
