@@ -91,7 +91,7 @@ class DisparityNodelet : public nodelet::Nodelet {
   QueueThread main_thread_, motion_thread_;
   ros::NodeHandle handle_, private_handle_;  // of main_thread_
 
-  NodeConfig config_;  // main_thread_'s; its processor part under config_mutex_
+  NodeConfig config_;  // stays as it is, but its processor part, under config_mutex_
   std::mutex config_mutex_;
   bool config_changed_ = false;  // under config_mutex_
 
@@ -123,14 +123,16 @@ void DisparityNodelet::shutDown() {
     const std::lock_guard<std::mutex> lock(connect_mutex_);
     shutting_down_ = true;
   }
-  // What could still call us goes first, then the worker, which publishes, then the outputs.
+  // Callbacks go first, since what they belong to must not be taken down around them: the
+  // reconfigure server is none that waits for its own. Then what could call us, then the worker,
+  // which publishes, then the outputs.
+  if (mailbox_) mailbox_->stop();
+  motion_thread_.stop();
+  main_thread_.stop();
   reconfigure_.reset();
   if (diagnostics_) diagnostics_->stop();
   if (sync_) sync_->unsubscribe();
   if (motion_) motion_->unsubscribe();
-  if (mailbox_) mailbox_->stop();
-  motion_thread_.stop();
-  main_thread_.stop();
   if (processor_) processor_->cancel();
   if (worker_.joinable()) worker_.join();
   if (outputs_) outputs_->stop();
@@ -255,14 +257,16 @@ void DisparityNodelet::onPair(const StereoPair& pair) {
     return;
   }
   diagnostics_->onGoodPair(verdict.geometry, pair.left->header.frame_id);
-  out_of_order_ = sync_->status().out_of_order;
+  out_of_order_ = sync_->outOfOrder();
   diagnostics_->onReplaced(mailbox_->put(Frame{pair, verdict.geometry, jumps_}));
 }
 
 void DisparityNodelet::onJump(const ros::Time& stamp) {
+  ++jumps_;
+  // Where every frame counts, those of before are still matched, and the worker goes on from there.
+  if (config_.process_every_frame) return;
   diagnostics_->onReplaced(mailbox_->clear());
   motion_->startOver(stamp);
-  ++jumps_;
 }
 
 void DisparityNodelet::onReconfigure(DisparityConfig& reconfigure) {
@@ -315,9 +319,12 @@ void DisparityNodelet::processFrame(const Frame& frame) {
     if (config_changed_) processor_->setConfig(config_.processor);
     config_changed_ = false;
   }
-  if (frame.jumps != jumps_seen_) processor_->reset();
-  jumps_seen_ = frame.jumps;
   const std_msgs::Header& header = frame.pair.left->header;
+  if (frame.jumps != jumps_seen_) {
+    processor_->reset();
+    if (config_.process_every_frame) motion_->startOver(header.stamp);
+  }
+  jumps_seen_ = frame.jumps;
   const Motion motion = motion_->waitForMotion(header.stamp, header.frame_id);
   FrameResult result = processor_->process(frame.pair, frame.geometry, motion);
   result.grid_state->latency = secondsBetween(header.stamp, ros::Time::now());

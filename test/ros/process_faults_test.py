@@ -6,12 +6,15 @@ import resource
 import signal
 import socket
 import subprocess
+import threading
 import time
 import unittest
 import xmlrpc.client
 
 import rospy
 import rostest
+from dynamic_reconfigure.msg import Config, IntParameter
+from dynamic_reconfigure.srv import Reconfigure
 from roslib.packages import find_node
 from sensor_msgs.msg import CameraInfo, Image
 from stereo_msgs.msg import DisparityImage
@@ -209,6 +212,42 @@ class ProcessFaults(unittest.TestCase):
             loader.wait(LONG_WAIT)
             self.assertIsNone(manager.poll(), attempt)
         self.assertTrue(pictures)
+
+    def test_nodelet_is_unloaded_while_it_is_reconfigured(self):
+        """The manager, in which others may fly, goes on."""
+        nodelet = find_node("nodelet", "nodelet")[0]
+        manager = self.start(nodelet, "manager", "__name:=tuned")
+        camera = Camera("/in_tuned")
+        service = "/in_tuned/disparity_node/set_parameters"
+        answered = []
+
+        def reconfigure(stop):
+            """Moves a slider as fast as it goes, as long as there is one."""
+            set_parameters = rospy.ServiceProxy(service, Reconfigure)
+            while not stop.is_set():
+                try:
+                    set_parameters(Config(ints=[IntParameter("speckle_size", len(answered) % 90)]))
+                    answered.append(True)
+                except rospy.ServiceException:
+                    stop.wait(0.001)
+
+        for attempt in range(6):
+            loader = self.start(nodelet, "load", "adaptive_grid_stereo/disparity", "/tuned",
+                                "__ns:=/in_tuned", "__name:=disparity_node")
+            self.assertTrue(camera.is_served(), attempt)
+            rospy.wait_for_service(service, LONG_WAIT)
+            answered_before = len(answered)
+            stop = threading.Event()
+            tuners = [threading.Thread(target=reconfigure, args=(stop,)) for _ in range(3)]
+            for tuner in tuners:
+                tuner.start()
+            self.assertTrue(wait_until(lambda: len(answered) > answered_before + 3 + attempt))
+            os.killpg(loader.pid, signal.SIGINT)  # which unloads the nodelet
+            loader.wait(LONG_WAIT)
+            stop.set()
+            for tuner in tuners:
+                tuner.join()
+            self.assertIsNone(manager.poll(), attempt)
 
     @staticmethod
     def end_of(node):
