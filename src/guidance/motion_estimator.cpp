@@ -173,7 +173,7 @@ void MotionEstimator::setConfig(const MotionConfig& config) {
 bool MotionEstimator::add(const OdometrySample& sample) {
   const bool finite = isFinite(sample.velocity) && isFinite(sample.angular_rate) &&
                       (!sample.orientation || sample.orientation->coeffs().allFinite());
-  return impl_->add(&impl_->sources.odom, sample, finite, &impl_->invalid_odom, false);
+  return impl_->add(&impl_->sources.odom, sample, finite, &impl_->invalid_odom, true);
 }
 
 bool MotionEstimator::add(const ImuSample& sample) {

@@ -7,6 +7,7 @@
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
 #include "adaptive_grid_stereo/matching/stereo_matcher.h"
+#include "rate_meter.h"
 
 namespace adaptive_grid_stereo {
 namespace {
@@ -50,9 +51,9 @@ void addSpread(DiagnosticStatusWrapper& status, const std::string& name,
 }
 
 double frameRate(const NodeReport& report) {
-  if (report.frames.size() < 2) return 0.0;
-  const double span = report.frames.back().time - report.frames.front().time;
-  return span > 0.0 ? static_cast<double>(report.frames.size() - 1) / span : 0.0;
+  const auto& frames = report.frames;
+  if (frames.empty()) return 0.0;
+  return rateOf(frames.size(), frames.front().time, frames.back().time, report.now);
 }
 
 bool idle(const NodeReport& report, DiagnosticStatusWrapper& status) {
@@ -91,11 +92,13 @@ void describeSynchronisation(const NodeReport& report, DiagnosticStatusWrapper& 
   status.add("Clock jumps", sync.clock_jumps);
   status.addf("Largest stamp difference left-right [ms]", "%.2f", 1e3 * sync.max_stamp_difference);
   if (idle(report, status)) return;
-  const std::string advice = syncAdvice(sync);
-  if (advice.empty()) {
-    status.summary(DiagnosticStatus::OK, "pairs arrive");
-  } else {
+  const std::string advice = syncAdvice(sync), jumps = jumpAdvice(sync);
+  if (!advice.empty()) {
     status.summary(DiagnosticStatus::ERROR, advice);
+  } else if (!jumps.empty()) {
+    status.summary(DiagnosticStatus::WARN, jumps);
+  } else {
+    status.summary(DiagnosticStatus::OK, "pairs arrive");
   }
 }
 

@@ -306,13 +306,18 @@ Motion MotionSubscriber::waitForMotion(const ros::Time& stamp,
 }
 
 bool MotionSubscriber::firstMessagesAreHere() const {
-  const std::lock_guard<std::mutex> lock(impl_->mutex);
-  if (impl_->gave_up || impl_->subscribers.empty()) return true;
-  for (int source = 0; source < kSources; ++source) {
-    const bool promised = impl_->subscribers[source].getNumPublishers() > 0;
-    if (promised && impl_->status[source].received == 0) return false;
+  std::vector<ros::Subscriber> silent;
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    if (impl_->gave_up || impl_->subscribers.empty()) return true;
+    for (int source = 0; source < kSources; ++source) {
+      if (impl_->status[source].received == 0) silent.push_back(impl_->subscribers[source]);
+    }
   }
-  return true;
+  // Outside the lock: roscpp answers only when it has told the master of what is being subscribed.
+  return std::none_of(silent.begin(), silent.end(), [](const ros::Subscriber& subscriber) {
+    return subscriber.getNumPublishers() > 0;
+  });
 }
 
 void MotionSubscriber::giveUpOnFirstMessages() {

@@ -28,6 +28,8 @@ std::string inMilliseconds(double seconds) {
 
 /// Stamps of an input to compare with others'.
 constexpr std::size_t kStampsKept = 32;
+/// Jumps within kJumpMemory that no looped recording makes.
+constexpr std::uint64_t kManyJumps = 3;
 /// Clocks that differ by more are not those of cameras that are triggered together [s].
 constexpr double kClocksDiffer = 1.0;
 
@@ -53,7 +55,7 @@ double smallestStep(const std::deque<ros::Time>& left, const std::deque<ros::Tim
   return smallest;
 }
 
-/// What keeps the stamps of four inputs that all arrive from matching, with the cure.
+/// What keeps four inputs that all arrive from becoming pairs, with the cure.
 std::string stampAdvice(const SyncStatus& status) {
   const InputStatus* worst = &status.inputs[1];
   for (const InputStatus& input : status.inputs) {
@@ -61,6 +63,14 @@ std::string stampAdvice(const SyncStatus& status) {
       return "The stamps on " + input.topic + " are 0: its driver must set them.";
     }
     if (std::abs(input.offset) > std::abs(worst->offset)) worst = &input;
+  }
+  if (status.repeated > 0) {
+    return "All inputs arrive and match, but their stamps do not advance, so the pairs are dropped "
+           "as repeated ones: the driver must stamp every image anew.";
+  }
+  if (worst->offset == 0.0) {
+    return "All inputs arrive, with equal stamps, but so far apart in time that the first of them "
+           "are gone when the last ones come: raise queue_size.";
   }
   const std::string apart = "All inputs arrive, but the stamps on " + worst->topic +
                             " are never nearer than " + inMilliseconds(std::abs(worst->offset)) +
@@ -96,6 +106,19 @@ std::string syncAdvice(const SyncStatus& status) {
            counts;
   }
   return head + stampAdvice(status) + " Inputs:" + counts;
+}
+
+std::string jumpAdvice(const SyncStatus& status) {
+  if (status.jumps_lately < kManyJumps) return "";
+  std::string advice = "stamps jumped back " + std::to_string(status.jumps_lately) + " times in " +
+                       std::to_string(static_cast<int>(StereoSync::kJumpMemory)) +
+                       " s, and each time all starts over";
+  for (const InputStatus& input : status.inputs) {
+    if (input.publishers < 2) continue;
+    return advice + "; " + input.topic + " has " + std::to_string(input.publishers) +
+           " publishers: stop all but one (rostopic info)";
+  }
+  return advice + "; does the driver's clock go back and forth?";
 }
 
 struct StereoSync::Impl {
@@ -178,6 +201,7 @@ struct StereoSync::Impl {
     last_pair = steadyNow();
     pair_meter.tick(last_pair);
     ++pairs;
+    dropped_before = pairing.dropped();
     max_stamp_difference =
         std::max(max_stamp_difference,
                  std::abs(secondsBetween(pair.right->header.stamp, pair.left->header.stamp)));
@@ -185,8 +209,23 @@ struct StereoSync::Impl {
   }
 
   void onJump(const ros::Time& stamp) {
-    ROS_INFO("%s: stamps jumped; synchronisation and motion start over", topics.left_image.c_str());
     on_jump(stamp);
+    const double now = steadyNow();
+    jumps.push_back(now);
+    if (now < next_jump_note) return;
+    next_jump_note = now + kJumpMemory;
+    const std::string advice = jumpAdvice(status());
+    if (advice.empty()) {
+      ROS_INFO("%s: stamps jumped; synchronisation and motion start over",
+               topics.left_image.c_str());
+    } else {
+      ROS_WARN("%s: %s", private_handle.getNamespace().c_str(), advice.c_str());
+    }
+  }
+
+  std::uint64_t jumpsLately(double now) {
+    while (!jumps.empty() && jumps.front() < now - kJumpMemory) jumps.pop_front();
+    return jumps.size();
   }
 
   // Reports -------------------------------------------------------------------------------------
@@ -220,7 +259,9 @@ struct StereoSync::Impl {
     report.out_of_order = pairing.dropped();
     report.unmatched =
         inputs[0].received - std::min(inputs[0].received, pairs + report.out_of_order);
+    report.repeated = report.out_of_order - dropped_before;
     report.clock_jumps = pairing.clockJumps();
+    report.jumps_lately = jumpsLately(now);
     report.pair_rate = pair_meter.rate(now);
     report.max_stamp_difference = max_stamp_difference;
     return report;
@@ -258,7 +299,10 @@ struct StereoSync::Impl {
   RateMeter pair_meter;
   std::uint64_t pairs = 0;
   double max_stamp_difference = 0.0;
+  std::uint64_t dropped_before = 0;  // the last pair
+  std::deque<double> jumps;          // times [s] of the last ones
   double next_advice = 0.0;
+  double next_jump_note = 0.0;
 };
 
 StereoSync::StereoSync(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
@@ -272,5 +316,6 @@ void StereoSync::subscribe() { impl_->subscribe(); }
 void StereoSync::unsubscribe() { impl_->unsubscribe(); }
 const InputTopics& StereoSync::topics() const { return impl_->topics; }
 SyncStatus StereoSync::status() const { return impl_->status(); }
+std::uint64_t StereoSync::outOfOrder() const { return impl_->pairing.dropped(); }
 
 }  // namespace adaptive_grid_stereo

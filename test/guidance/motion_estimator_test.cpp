@@ -1,6 +1,7 @@
 #include "adaptive_grid_stereo/guidance/motion_estimator.h"
 
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -195,6 +196,36 @@ TEST(MotionEstimatorTest, MagnetometerAndAccelerometerStandInForAnOrientation) {
     estimator.add(VelocitySample{t, {0, 10, 0}});
   }
   EXPECT_NEAR(at(estimator, 4.0).forward_speed, 10.0 * std::cos(M_PI / 4), 0.05);
+}
+
+TEST(MotionEstimatorTest, OdometryThatComesLateCountsForTheAttitudeAsIfInTime) {
+  MotionConfig config;
+  config.velocity_axes = VelocityAxes::kEnu;
+  // A flat turn, faster and faster: what pulls inwards is told from gravity by the speed.
+  constexpr double kYawRate = 0.4;
+  const auto speedWithOdometry = [&](bool late) {
+    MotionEstimator estimator(config);
+    std::vector<OdometrySample> held_up;
+    for (int i = 0; i <= 300; ++i) {
+      const double t = 1.0 + 0.01 * i, speed = 5.0 * t;
+      const Eigen::Quaterniond truth(Eigen::AngleAxisd(kYawRate * t, Eigen::Vector3d::UnitZ()));
+      estimator.add(MagneticSample{t, truth.conjugate() * Eigen::Vector3d(0, 22e-6, -42e-6)});
+      ImuSample rates = imu(t, kYawRate);
+      rates.acceleration.y() = speed * kYawRate;
+      estimator.add(rates);
+      OdometrySample sample = odometry(t, 0.0, kYawRate);
+      sample.velocity = truth * Eigen::Vector3d(speed, 0, 0);
+      if (late && t > 2.5 && i % 40 != 0) {
+        held_up.push_back(sample);
+      } else {
+        estimator.add(sample);
+      }
+    }
+    EXPECT_TRUE(at(estimator, 4.0).valid);  // before the rest comes
+    for (const OdometrySample& sample : held_up) estimator.add(sample);
+    return at(estimator, 4.0).forward_speed;
+  };
+  EXPECT_EQ(speedWithOdometry(true), speedWithOdometry(false));
 }
 
 TEST(MotionEstimatorTest, ReadyWaitsForWhatIsDue) {

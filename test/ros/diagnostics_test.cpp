@@ -142,6 +142,29 @@ TEST(Diagnostics, WarnOfTooFewFrames) {
   EXPECT_EQ(statusOf(describeOutput, report).level, DiagnosticStatus::WARN);
 }
 
+TEST(Diagnostics, WarnOfFramesThatHaveStopped) {
+  NodeReport report = goodReport();
+  report.expected_rate = 10.0;
+  report.now = report.frames.back().time + 0.1;
+  EXPECT_EQ(statusOf(describeOutput, report).level, DiagnosticStatus::OK);
+  report.now = report.frames.back().time + 2.0;
+  EXPECT_EQ(statusOf(describeOutput, report).level, DiagnosticStatus::WARN);
+}
+
+TEST(Diagnostics, WarnOfStampsThatJumpAgainAndAgain) {
+  NodeReport report = goodReport();
+  report.sync.clock_jumps = 1;
+  report.sync.jumps_lately = 1;
+  EXPECT_EQ(statusOf(describeSynchronisation, report).level, DiagnosticStatus::OK)
+      << "a recording that loops";
+  report.sync.jumps_lately = 3;
+  report.sync.inputs[2].publishers = 2;
+  const auto status = statusOf(describeSynchronisation, report);
+  EXPECT_EQ(status.level, DiagnosticStatus::WARN);
+  EXPECT_NE(status.message.find("/s/left/camera_info has 2 publishers"), std::string::npos)
+      << status.message;
+}
+
 TEST(Diagnostics, WarnOfStampsInTheFuture) {
   NodeReport report = goodReport();
   for (FrameRecord& frame : report.frames) frame.latency = -2.0;
@@ -224,6 +247,17 @@ TEST(SyncAdvice, TellsOtherClocksAndStampsThatAreNotSetFromStampsThatDiffer) {
   status.inputs[2].newest_stamp = 0.0;
   advice = syncAdvice(status);
   EXPECT_NE(advice.find("/s/left/camera_info are 0"), std::string::npos) << advice;
+}
+
+TEST(SyncAdvice, DoesNotBlameStampsThatAreEqual) {
+  SyncStatus status = goodReport().sync;
+  status.silence = 6.0;
+  std::string advice = syncAdvice(status);
+  EXPECT_NE(advice.find("raise queue_size"), std::string::npos) << advice;
+  EXPECT_EQ(advice.find("approximate_sync"), std::string::npos) << advice;
+  status.repeated = 20;
+  advice = syncAdvice(status);
+  EXPECT_NE(advice.find("do not advance"), std::string::npos) << advice;
 }
 
 }  // namespace

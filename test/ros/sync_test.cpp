@@ -79,6 +79,29 @@ TEST_F(Sync, NamesTheInputOnWhichNothingArrives) {
   EXPECT_TRUE(disparity.waitForStamp(stamp));
 }
 
+TEST_F(Sync, EveryFrameFromBeforeAJumpIsServed) {
+  FakeAircraft aircraft(handle_, "/exact");
+  Listener<DisparityImage> disparity(handle_, "/exact/disparity");
+  ASSERT_TRUE(aircraft.waitSubscribed());
+  SyntheticRig large;  // so that they come faster than they are matched
+  large.width = 1024;
+  large.height = 768;
+  std::vector<ros::Time> published;
+  const auto publish = [&](const SyntheticRig& rig, int count, double later) {
+    for (int i = 0; i < count; ++i) {
+      published.push_back(stamps_.next() + ros::Duration(later));
+      aircraft.publish(makePair(rig, 6, published.back()));
+    }
+  };
+  publish(large, 60, 0.0);
+  ASSERT_TRUE(disparity.waitForStamp(published[20])) << "by now all of them are there";
+  stamps_ = StampSource();
+  publish(SyntheticRig(), 2, 0.05);  // other stamps
+  ASSERT_TRUE(disparity.waitForStamp(published.back()));
+  for (const ros::Time& stamp : published) EXPECT_TRUE(disparity.waitForStamp(stamp)) << stamp;
+  EXPECT_EQ(disparity.count(), published.size());
+}
+
 TEST_F(Sync, ApproximatePairsWhatIsCloseAndUsesTheLeftStamp) {
   FakeAircraft aircraft(handle_, "/approximate");
   Listener<DisparityImage> disparity(handle_, "/approximate/disparity");

@@ -47,8 +47,12 @@ struct SyncStatus {
   std::uint64_t unmatched = 0;
   /// Pairs dropped because their stamp was not newer than the last one's.
   std::uint64_t out_of_order = 0;
+  /// Of these, since the last pair that was not dropped.
+  std::uint64_t repeated = 0;
   /// Times that stamps jumped back and the synchronisation started anew.
   std::uint64_t clock_jumps = 0;
+  /// Of these, in the last kJumpMemory seconds.
+  std::uint64_t jumps_lately = 0;
   double pair_rate = 0.0;             // [Hz]
   double silence = 0.0;               // since the last pair, or since subscribing [s]
   double max_stamp_difference = 0.0;  // |left - right| of the pairs [s]
@@ -57,6 +61,10 @@ struct SyncStatus {
 /// In words what keeps pairs from coming, with the cure; empty while they come, or while nobody
 /// listens.
 std::string syncAdvice(const SyncStatus& status);
+
+/// In words, with the cure, that stamps jump too often for a recording that loops; empty if they do
+/// not.
+std::string jumpAdvice(const SyncStatus& status);
 
 /// Pairs left image, right image and their camera_infos by stamp. Subscribes on demand. Starts anew
 /// when stamps jump back (a recording that loops), drops pairs that come twice or late, and says in
@@ -70,6 +78,8 @@ class StereoSync {
   using JumpCallback = std::function<void(const ros::Time&)>;
   /// Seconds of silence before advice is given.
   static constexpr double kPatience = 5.0;
+  /// Seconds for which a jump of the stamps counts as a late one.
+  static constexpr double kJumpMemory = 10.0;
 
   /// on_pair: every pair, stamps increasing; on_jump: stamps start over at about the
   /// one given, before the next pair.
@@ -84,6 +94,8 @@ class StereoSync {
   const InputTopics& topics() const;
 
   SyncStatus status() const;
+  /// SyncStatus::out_of_order alone, without asking roscpp for publishers.
+  std::uint64_t outOfOrder() const;
 
  private:
   struct Impl;
