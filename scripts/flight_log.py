@@ -4,6 +4,7 @@ import csv
 import numpy as np
 
 LOCKED, FORWARD, YAW, PITCH = 1, 2, 4, 8
+STATES = ('adaptive_grid_stereo/GridState', '')  # kind and ending of the topic
 
 
 class Frame:
@@ -80,20 +81,29 @@ def frame_of_row(row):
     return Frame(get)
 
 
+KINDS = {'mono8': (np.uint8, 1), '8UC1': (np.uint8, 1), 'mono16': (np.uint16, 1),
+         '16UC1': (np.uint16, 1), 'bgr8': (np.uint8, 3), 'rgb8': (np.uint8, 3),
+         '8UC3': (np.uint8, 3), 'bgra8': (np.uint8, 4), 'rgba8': (np.uint8, 4),
+         '8UC4': (np.uint8, 4), '32FC1': (np.float32, 1)}
+
+
 def pixels(message):
-    """A sensor_msgs/Image as an array."""
-    kinds = {'mono8': (np.uint8, 1), '8UC1': (np.uint8, 1), 'bgr8': (np.uint8, 3),
-             'rgb8': (np.uint8, 3), '32FC1': (np.float32, 1)}
-    if message.encoding not in kinds:
+    """A sensor_msgs/Image as an array; of 16 bits the eight that hold the brightest pixel."""
+    if message.encoding not in KINDS:
         raise ValueError('an image has the encoding %s; known are %s' %
-                         (message.encoding, ', '.join(sorted(kinds))))
-    kind, channels = kinds[message.encoding]
+                         (message.encoding, ', '.join(sorted(KINDS))))
+    kind, channels = KINDS[message.encoding]
     array = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
     array = array[:, :message.width * channels * np.dtype(kind).itemsize].copy().view(kind)
+    if message.is_bigendian and np.dtype(kind).itemsize > 1:
+        array = array.byteswap()
     array = array.reshape(message.height, message.width, channels)
-    if message.encoding == 'rgb8':
-        array = array[:, :, ::-1]
-    return array[:, :, 0] if channels == 1 else array
+    if kind == np.uint16:
+        bits = max(8, int(array.max()).bit_length())
+        array = (array >> (bits - 8)).astype(np.uint8)
+    if message.encoding in ('rgb8', 'rgba8'):
+        array = array[:, :, [2, 1, 0]]
+    return array[:, :, 0] if channels == 1 else array[:, :, :3]
 
 
 class Bag:
@@ -110,6 +120,14 @@ class Bag:
             if self.topics[name].msg_type == kind and name.endswith(endings):
                 return name
         return None
+
+    def beside(self, topic, kind, name):
+        """The topic of that kind and name in the name space of another one, or None."""
+        if topic is None:
+            return None
+        wanted = topic.rsplit('/', 1)[0] + '/' + name
+        known = self.topics.get(wanted)
+        return wanted if known is not None and known.msg_type == kind else None
 
     def messages(self, topic):
         if topic is None:
@@ -141,7 +159,7 @@ def read_csv(path):
 
 def read_frames(bag):
     """The frames of a bag's GridState."""
-    topic = bag.topic('adaptive_grid_stereo/GridState', '')
+    topic = bag.topic(*STATES)
     if topic is None:
         raise ValueError('%s holds no adaptive_grid_stereo/GridState; record grid_state and disparity'
                          % bag.path)

@@ -78,6 +78,9 @@ int parseAndRun(int argc, const char* const* argv) {
   if (!parseCommandLine(argc, argv, help, own, {"bag"}, &values)) return 0;
   if (values.count("bag") == 0) throw UsageError("a bag is needed: bag_check BAG");
   options.bag = values["bag"].as<std::string>();
+  if (!(options.baseline >= 0.0 && options.baseline <= 100.0)) {
+    throw UsageError("--baseline " + std::to_string(options.baseline) + ": expected 0 to 100 m");
+  }
   reportCorrections(kTool, options.motion.validate());
   return run(options);
 }

@@ -84,13 +84,22 @@ StereoContents readStereo(BagReader* bag, const BagTopics& topics) {
   return contents;
 }
 
-/// |left - nearest right| for each left image that has one near.
+std::vector<double> intervalsOf(const std::vector<double>& stamps) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < stamps.size(); ++i) intervals.push_back(stamps[i] - stamps[i - 1]);
+  return intervals;
+}
+
+/// |left - nearest right| for each left image that has one near: what is half a frame away or more
+/// belongs to another frame.
 std::vector<double> stampDifferences(const StereoContents& contents) {
   std::vector<double> result;
   if (contents.right.empty()) return result;
+  const double period = quantile(intervalsOf(contents.left), 0.5);
+  const double limit = period > 0.0 ? std::min(kPairLimit, 0.5 * period) : kPairLimit;
   for (const double stamp : contents.left) {
     const double difference = std::abs(nearestRight(contents, stamp) - stamp);
-    if (difference < kPairLimit) result.push_back(difference);
+    if (difference <= limit) result.push_back(difference);
   }
   return result;
 }
@@ -129,8 +138,7 @@ Finding pairsFinding(const StereoContents& contents, const std::vector<double>& 
 
 Finding gapsFinding(const std::vector<double>& stamps) {
   Finding finding = {Verdict::kOk, "image rate", ""};
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < stamps.size(); ++i) intervals.push_back(stamps[i] - stamps[i - 1]);
+  const std::vector<double> intervals = intervalsOf(stamps);
   const double period = quantile(intervals, 0.5);
   if (period <= 0.0) {
     finding.verdict = Verdict::kError;

@@ -155,7 +155,13 @@ Eigen::Vector3d enuOf(const Eigen::Vector3d& velocity, const MotionConfig& confi
   return ned ? Eigen::Vector3d(velocity.y(), velocity.x(), -velocity.z()) : velocity;
 }
 
+/// Whether GPS velocities are declared to be of the body, and so tell no course.
+bool tellsNoCourse(const MotionConfig& config) {
+  return config.gps_velocity_axes == "body_flu" || config.gps_velocity_axes == "body_frd";
+}
+
 std::optional<Finding> courseFinding(const MotionContents& contents, const MotionConfig& config) {
+  if (tellsNoCourse(config)) return std::nullopt;
   std::vector<double> angles;
   for (const VelocityLine& line : contents.gps) {
     const Eigen::Vector3d velocity = enuOf(line.velocity, config);
@@ -189,6 +195,7 @@ std::optional<Finding> courseFinding(const MotionContents& contents, const Motio
 
 /// The course's turn against the vertical part of the rates, over two seconds.
 std::optional<Finding> turnFinding(const MotionContents& contents, const MotionConfig& config) {
+  if (tellsNoCourse(config)) return std::nullopt;
   double same = 0.0, course_square = 0.0;
   for (std::size_t i = 0; i < contents.gps.size(); ++i) {
     const std::size_t j = nearest(contents.gps, contents.gps[i].stamp + 2.0);

@@ -1,7 +1,9 @@
 #include "command_line.h"
 
+#include <algorithm>
 #include <array>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <sstream>
 
@@ -57,6 +59,18 @@ bool parseCommandLine(int argc, const char* const* argv, const ToolHelp& help,
     throw UsageError(error.what());
   }
   return true;
+}
+
+void checkDistinct(std::vector<std::string> paths) {
+  for (std::string& path : paths) {
+    path = std::filesystem::path(path).lexically_normal().string();
+    if (path.rfind("/dev/", 0) == 0) path.clear();
+  }
+  std::sort(paths.begin(), paths.end());
+  const auto same =
+      std::adjacent_find(paths.begin(), paths.end(),
+                         [](const auto& a, const auto& b) { return !a.empty() && a == b; });
+  if (same != paths.end()) throw UsageError(*same + " is to be written twice: give two names");
 }
 
 void reportCorrections(const std::string& tool, const std::vector<std::string>& sentences) {

@@ -49,6 +49,9 @@ bool parseCommandLine(int argc, const char* const* argv, const ToolHelp& help,
                       const std::vector<std::string>& positional,
                       boost::program_options::variables_map* values);
 
+/// Throws UsageError if two files to write are the same one; devices and empty names do not count.
+void checkDistinct(std::vector<std::string> paths);
+
 /// Prints every sentence of a config's validate() on stderr.
 void reportCorrections(const std::string& tool, const std::vector<std::string>& sentences);
 

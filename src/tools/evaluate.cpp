@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <regex>
 #include <sstream>
 #include <thread>
@@ -119,20 +120,29 @@ std::vector<Scene> chooseScenes(const Options& o) {
   return scenes;
 }
 
-std::string picturePath(const Options& o, const Scene& scene) {
-  std::string name = std::string(toString(scene.layout)) + "_" + scene.name + ".png";
-  std::replace(name.begin(), name.end(), ' ', '_');
-  return (fs::path(o.output) / name).string();
+/// A file for each scene's picture. Scenes of one name, of one dataset in two sizes for instance,
+/// are numbered.
+std::vector<std::string> picturePaths(const Options& o, const std::vector<Scene>& scenes) {
+  std::vector<std::string> paths;
+  std::map<std::string, int> times;
+  for (const Scene& scene : scenes) {
+    std::string name = std::string(toString(scene.layout)) + "_" + scene.name;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    const int time = ++times[name];
+    if (time > 1) name += "_" + std::to_string(time);
+    paths.push_back((fs::path(o.output) / (name + ".png")).string());
+  }
+  return paths;
 }
 
-void prepareOutput(const Options& o, const std::vector<Scene>& scenes) {
+void prepareOutput(const Options& o, const std::vector<std::string>& pictures) {
   if (o.output.empty()) return;
   std::error_code error;
   fs::create_directories(o.output, error);
   if (error) throw std::runtime_error(o.output + ": cannot be made: " + error.message());
   checkWritable((fs::path(o.output) / "results.csv").string(), o.force);
   checkWritable((fs::path(o.output) / "results.json").string(), o.force);
-  for (const Scene& scene : scenes) checkWritable(picturePath(o, scene), o.force);
+  for (const std::string& picture : pictures) checkWritable(picture, o.force);
 }
 
 void printTables(const Options& o, const std::vector<SceneSummary>& summaries) {
@@ -165,7 +175,8 @@ int run(int argc, char** argv) {
   reportCorrections(kTool, o.evaluation.guidance.validate());
   chooseMethods(&o);
   const std::vector<Scene> scenes = chooseScenes(o);
-  prepareOutput(o, scenes);
+  const std::vector<std::string> pictures = picturePaths(o, scenes);
+  prepareOutput(o, pictures);
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const int threads = o.evaluation.matcher.threads > 0 ? o.evaluation.matcher.threads : cores;
   cv::setNumThreads(threads);
@@ -180,7 +191,7 @@ int run(int argc, char** argv) {
       const SceneResult result =
           evaluateScene(scenes[i], o.evaluation, [&] { progress.update(++done, scenes[i].name); });
       summaries.push_back(summarise(result));
-      if (!o.output.empty()) writePng(picturePath(o, scenes[i]), scenePicture(result), o.force);
+      if (!o.output.empty()) writePng(pictures[i], scenePicture(result), o.force);
     } catch (const std::exception& error) {
       progress.finish();
       std::cerr << kTool << ": scene left out: " << error.what() << '\n';

@@ -171,6 +171,7 @@ int run(int argc, char** argv) {
   if (!readOptions(argc, argv, &o)) return 0;
   reportCorrections(kTool, o.matcher.validate());
   reportCorrections(kTool, o.guidance.validate());
+  checkDistinct({o.output, o.png, o.json});
   for (const std::string& path : {o.output, o.png, o.json}) {
     if (!path.empty()) checkWritable(path, o.force);
   }

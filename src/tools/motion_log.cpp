@@ -1,6 +1,7 @@
 #include "motion_log.h"
 
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -86,11 +87,31 @@ bool feedMotion(const BagMessage& message, const MotionTopics& topics,
   return true;
 }
 
+namespace {
+
+/// Recordings whose messages were stamped so much earlier are copies, made while an older one was
+/// played [s].
+constexpr double kCopied = 60.0;
+
+/// How much later than its stamp the first motion message was recorded [s], if it was recorded
+/// again, else 0; nothing while none has come.
+std::optional<double> recordingDelay(const ros::Time& recorded, const MotionInputStatus& status) {
+  for (const MotionSourceStatus& source : status.sources) {
+    if (source.last_stamp <= 0.0) continue;
+    const double delay = recorded.toSec() - source.last_stamp;
+    return std::abs(delay) > kCopied ? delay : 0.0;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 long replayMotion(BagReader* bag, const MotionReplay& replay, MotionSubscriber* subscriber,
                   const std::function<void(double stamp, const Motion& motion)>& answer) {
   if (bag->messageCount() == 0) return 0;
   const double step = 1.0 / replay.rate;
   double next = std::ceil(bag->beginTime().toSec() / step);
+  std::optional<double> delay;
   const auto askUpTo = [&](double time) {
     // In a long gap the motion is unknown, and a damaged recording time may lie years ahead.
     if (time - next * step > kLongestGap) next = std::ceil((time - kLongestGap) / step);
@@ -102,15 +123,19 @@ long replayMotion(BagReader* bag, const MotionReplay& replay, MotionSubscriber* 
   long damaged = 0;
   bag->rewind();
   for (BagMessage message; bag->next(&message);) {
-    askUpTo(message.time.toSec() - kPatience);
+    askUpTo(message.time.toSec() - delay.value_or(0.0) - kPatience);
     try {
       if (replay.before_message) replay.before_message(message);
-      feedMotion(message, replay.topics, subscriber);
+      const bool fed = feedMotion(message, replay.topics, subscriber);
+      if (fed && !delay) {
+        delay = recordingDelay(message.time, subscriber->status());
+        if (delay.value_or(0.0) != 0.0) next = std::ceil((message.time.toSec() - *delay) / step);
+      }
     } catch (const std::runtime_error&) {
       ++damaged;
     }
   }
-  askUpTo(bag->endTime().toSec());
+  askUpTo(bag->endTime().toSec() - delay.value_or(0.0));
   return damaged;
 }
 

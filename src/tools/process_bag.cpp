@@ -7,6 +7,7 @@
 #include <regex>
 
 #include <ros/console.h>
+#include <ros/names.h>
 
 #include "adaptive_grid_stereo/ros/stamps.h"
 #include "bag_processor.h"
@@ -39,6 +40,14 @@ struct Options {
   bool recover = false;
   bool force = false;
 };
+
+/// The name space without a slash at its end; empty for the root.
+std::string checkedNamespace(std::string name) {
+  std::string error;
+  if (!ros::names::validate(name, error)) throw UsageError("--namespace " + name + ": " + error);
+  while (!name.empty() && name.back() == '/') name.pop_back();
+  return name.empty() || name.front() == '/' ? name : "/" + name;
+}
 
 po::options_description outputOptions(Options* o) {
   po::options_description options("output");
@@ -178,6 +187,7 @@ void printReport(const BagReport& report, const BagReader& input, double seconds
 int run(int argc, char** argv) {
   Options o;
   if (!readOptions(argc, argv, &o)) return 0;
+  checkDistinct({o.output, o.csv});
   BagJob job;
   job.rectify = rectifyMode(o.rectify);
   job.wanted = o.wanted;
@@ -202,8 +212,8 @@ int run(int argc, char** argv) {
   std::vector<std::string> notes;
   job.topics = chooseTopics(input.connections(), o.topics, &notes);
   reportCorrections(kTool, notes);
-  job.output_namespace =
-      o.output_namespace.empty() ? outputNamespace(job.topics.left_image) : o.output_namespace;
+  job.output_namespace = o.output_namespace.empty() ? outputNamespace(job.topics.left_image)
+                                                    : checkedNamespace(o.output_namespace);
   job.pass_through = passThrough(o, job);
 
   OutputFile bag_file(o.output, o.force);

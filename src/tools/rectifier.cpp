@@ -43,9 +43,11 @@ sensor_msgs::ImageConstPtr Rectifier::rectify(const sensor_msgs::ImageConstPtr& 
                              std::to_string(raw->width) + "x" + std::to_string(raw->height));
   }
   model_.fromCameraInfo(info);
+  namespace encodings = sensor_msgs::image_encodings;
+  const std::string& grey =
+      encodings::bitDepth(raw->encoding) == 16 ? encodings::MONO16 : encodings::MONO8;
   const cv_bridge::CvImageConstPtr source =
-      bayer ? cv_bridge::toCvCopy(raw, sensor_msgs::image_encodings::MONO8)
-            : cv_bridge::toCvShare(raw);
+      bayer ? cv_bridge::toCvCopy(raw, grey) : cv_bridge::toCvShare(raw);
   cv_bridge::CvImage rectified(source->header, source->encoding);
   model_.rectifyImage(source->image, rectified.image, cv::INTER_LINEAR);
   return rectified.toImageMsg();

@@ -83,6 +83,23 @@ class MotionToolsTest(unittest.TestCase):
         self.assertEqual(code, 1)
         self.assertIn('left is right', out)
 
+    def test_velocities_of_the_body_tell_no_course(self):
+        write_flight(self.bag)
+        _, out, _ = call('bag_check', self.bag, '--gps-velocity-axes', 'body_flu')
+        self.assertNotIn('course', out)
+
+    def test_a_recording_that_was_recorded_again(self):
+        write_flight(self.bag)
+        copy = os.path.join(self.folder.name, 'copy.bag')
+        with rosbag.Bag(self.bag) as source, rosbag.Bag(copy, 'w') as target:
+            for topic, message, time in source.read_messages():
+                target.write(topic, message, time + rospy.Duration(5000.0))
+        _, out, _ = call('bag_check', copy)
+        self.assertIn('OK     motion known', out)
+        output = os.path.join(self.folder.name, 'tuned')
+        code, _, err = call('tune_thresholds', copy, '--output', output)
+        self.assertEqual(code, 0, err)
+
     def test_gap_is_named(self):
         write_flight(self.bag, gap=True)
         code, out, _ = call('bag_check', self.bag)

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
 
 import numpy as np
@@ -91,6 +92,38 @@ class PlotFlight(unittest.TestCase):
         self.assertAlmostEqual(scores.counts['whole'][4], 5.5)
         self.assertEqual(list(scores.counts['focus'][:4]), [2, 1, 0, 1])
         self.assertEqual((scores.sky, scores.false_sky), (6, 1))
+
+    def test_times_that_were_not_recorded_are_not_told(self):
+        self.write([dict(row(0.1 * i, 2), processing_time=0.0, latency=0.0) for i in range(3)])
+        result = self.run_script(self.csv, '--output', self.folder.name)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn('latency    not recorded', result.stdout)
+        self.assertNotIn('median 0.0 ms', result.stdout)
+
+    def test_disparities_are_those_beside_the_states(self):
+        bag = flight_log.Bag.__new__(flight_log.Bag)
+        kinds = {'/ground_truth/disparity': 'stereo_msgs/DisparityImage',
+                 '/stereo/disparity': 'stereo_msgs/DisparityImage',
+                 '/stereo/grid_overlay': 'sensor_msgs/Image',
+                 '/stereo/grid_state': 'adaptive_grid_stereo/GridState'}
+        bag.topics = {name: types.SimpleNamespace(msg_type=kind) for name, kind in kinds.items()}
+        pictures = plot_flight.Pictures(bag, bag)
+        self.assertEqual(pictures.disparity_topic, '/stereo/disparity')
+        self.assertEqual(pictures.overlay_topic, '/stereo/grid_overlay')
+        self.assertEqual(pictures.truth_topic, '/ground_truth/disparity')
+
+    def test_images_of_all_encodings_that_the_node_takes(self):
+        def image(encoding, values, kind, big=False):
+            data = np.array(values, kind)
+            return types.SimpleNamespace(encoding=encoding, width=1, height=1, is_bigendian=big,
+                                         step=data.nbytes, data=data.tobytes())
+
+        self.assertEqual(flight_log.pixels(image('mono8', [7], 'u1'))[0, 0], 7)
+        self.assertEqual(flight_log.pixels(image('mono16', [0xABC], '<u2'))[0, 0], 0xAB)
+        self.assertEqual(flight_log.pixels(image('16UC1', [0xABC], '>u2', True))[0, 0], 0xAB)
+        for encoding, values in (('bgr8', [1, 2, 3]), ('rgb8', [3, 2, 1]), ('bgra8', [1, 2, 3, 9]),
+                                 ('rgba8', [3, 2, 1, 9])):
+            self.assertEqual(list(flight_log.pixels(image(encoding, values, 'u1'))[0, 0]), [1, 2, 3])
 
     def test_mean_paths_weighs_cells_by_area(self):
         values = row(0.0, 2)

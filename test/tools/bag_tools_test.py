@@ -87,6 +87,25 @@ class BagCheck(Case):
         self.assertIn('OK     images and calibration', out)
         self.assertNotIn('WARN   calibration', out)
 
+    def test_images_that_are_missing_do_not_ask_for_other_pairs(self):
+        def some_missing(topic, message, time):
+            index = time.secs - 100
+            if topic.endswith('right/image_rect') and index % 8 == 3:
+                return None
+            message.header.stamp = rospy.Time(100, index * 100000000)  # 10 Hz
+            return topic, message, message.header.stamp
+
+        out = self.check(some_missing, frames=10)
+        self.assertIn('images of one side are missing', out)
+        self.assertNotIn('approximate_sync', out)
+
+    def test_a_baseline_that_is_none_is_refused(self):
+        write_bag(self.path('in.bag'), 2)
+        for baseline in ('-3', 'nan'):
+            code, _, err = run('bag_check', self.path('in.bag'), '--baseline', baseline)
+            self.assertEqual(code, 2)
+            self.assertIn('--baseline', err)
+
     def test_raw_images_are_seen_by_their_calibration(self):
         def direct(topic, message, time):
             return topic.replace('/rig/', '/direct/'), message, time
@@ -221,6 +240,8 @@ class ProcessBag(Case):
                 ([self.path('in.bag'), '--output', out, '--compression', 'zip'], 2, 'lz4'),
                 ([self.path('in.bag'), '--output', out, '--baseline', '-1', '--rectify', 'so'], 2,
                  'auto'),
+                ([self.path('in.bag'), '--output', out, '--csv', out], 2, 'written twice'),
+                ([self.path('in.bag'), '--output', out, '--namespace', 'a b'], 2, '--namespace'),
                 ([self.path('in.bag'), '--output', out, '--params', self.path('no.yaml')], 1,
                  'no.yaml')):
             code, _, err = run('process_bag', *arguments)
@@ -232,6 +253,16 @@ class ProcessBag(Case):
         self.assertEqual(code, 0)
         self.assertIn('max_speed', err)
         self.assertEqual(run('process_bag', self.path('in.bag'), '--output', out)[0], 1)
+
+    def test_name_spaces_of_the_results(self):
+        write_bag(self.path('in.bag'), 2)
+        for name_space, topic in (('/', '/grid_state'), ('/a/b/', '/a/b/grid_state'),
+                                  ('c', '/c/grid_state')):
+            code, _, err = run('process_bag', self.path('in.bag'), '--output', self.path('o.bag'),
+                               '--force', '--namespace', name_space)
+            self.assertEqual(code, 0, err)
+            with rosbag.Bag(self.path('o.bag')) as bag:
+                self.assertIn(topic, bag.get_type_and_topic_info().topics)
 
     def test_ctrl_c_leaves_nothing(self):
         write_bag(self.path('in.bag'), 400)

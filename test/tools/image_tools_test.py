@@ -7,6 +7,7 @@ Parts that need the public data sets are skipped, saying so, where they are abse
 """
 import json
 import os
+import shutil
 import sys
 import unittest
 
@@ -91,6 +92,7 @@ class Match(Case):
                 ([self.pair[0], self.path('small.png'), '--output', self.path('x')], 1, '40x40'),
                 ([self.path('tiny.png')] * 2 + ['--output', self.path('x')], 1, 'at least 16x16'),
                 ([self.pair[0], self.path('none.png'), '--output', self.path('x')], 1, 'none.png'),
+                (self.pair + ['--output', self.path('x'), '--json', self.path('x')], 2, 'twice'),
                 (self.pair + ['--output', self.path('no/x')], 1, 'does not exist')):
             code, out, err = run('match', *arguments)
             self.assertEqual(code, expected_code, err)
@@ -146,6 +148,15 @@ class Evaluate(Case):
         code, _, err = run('evaluate', self.path('set'), '--output', self.path('results'))
         self.assertEqual(code, 1)
         self.assertIn('--force', err)
+
+    def test_scenes_of_one_name_have_a_picture_each(self):
+        self.write_scene()
+        shutil.copytree(self.path('set'), self.path('half'))
+        code, _, err = run('evaluate', self.path('set'), self.path('half'), '--repeat', 1,
+                           '--no-peers', '--output', self.path('results'))
+        self.assertEqual((code, err), (0, ''), err)
+        for name in ('plane', 'plane_2'):
+            self.assertTrue(os.path.exists(self.path('results/Middlebury_2003_%s.png' % name)))
 
     def test_a_damaged_scene_is_left_out(self):
         self.write_scene()
