@@ -11,6 +11,8 @@
 #include <boost/make_shared.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "src/common/eight_bits.h"
+
 namespace adaptive_grid_stereo {
 namespace {
 
@@ -70,27 +72,6 @@ cv::Mat viewAsGrey(const sensor_msgs::Image& image) {
   cv::Mat grey;
   cv::cvtColor(view, grey, encoding.to_grey);
   return grey;
-}
-
-double brightest(const cv::Mat& grey) {
-  if (grey.depth() != CV_16U) return 0.0;
-  double largest = 0.0;
-  cv::minMaxLoc(grey, nullptr, &largest);
-  return largest;
-}
-
-cv::Mat keepHighBits(const cv::Mat& grey, int bits) {
-  if (grey.depth() == CV_8U) return grey;
-  const int shift = std::max(0, bits - 8);
-  cv::Mat result(grey.size(), CV_8UC1);
-  for (int y = 0; y < grey.rows; ++y) {
-    const auto* from = grey.ptr<std::uint16_t>(y);
-    auto* to = result.ptr<std::uint8_t>(y);
-    for (int x = 0; x < grey.cols; ++x) {
-      to[x] = static_cast<std::uint8_t>(std::min(from[x] >> shift, 255));
-    }
-  }
-  return result;
 }
 
 sensor_msgs::ImagePtr makeImage(const std_msgs::Header& header, unsigned width, unsigned height,
@@ -156,14 +137,7 @@ std::string imageFault(const sensor_msgs::Image& image) {
 GreyPair toGreyPair(const sensor_msgs::Image& left, const sensor_msgs::Image& right,
                     int mono16_bits) {
   GreyPair pair{viewAsGrey(left), viewAsGrey(right)};
-  int bits = mono16_bits;
-  if (bits == 0) {
-    const double largest = std::max(brightest(pair.left), brightest(pair.right));
-    bits = 8;
-    while (bits < 16 && largest >= static_cast<double>(1 << bits)) bits += 2;
-  }
-  pair.left = keepHighBits(pair.left, bits);
-  pair.right = keepHighBits(pair.right, bits);
+  keepEightBits(mono16_bits, &pair.left, &pair.right);
   return pair;
 }
 

@@ -282,8 +282,9 @@ std::vector<Scene> findScenes(const std::string& directory) {
 
 LoadedScene loadScene(const Scene& scene) {
   LoadedScene loaded;
-  loaded.left = readImage(scene.left, cv::IMREAD_GRAYSCALE);
-  loaded.right = readImage(scene.right, cv::IMREAD_GRAYSCALE);
+  const ImagePair images = readGreyPair(scene.left, scene.right);
+  loaded.left = images.left;
+  loaded.right = images.right;
   checkSize(loaded.right, loaded.left, scene.right);
   const bool is_kitti =
       scene.layout == DatasetLayout::kKitti2012 || scene.layout == DatasetLayout::kKitti2015;

@@ -175,8 +175,7 @@ int run(int argc, char** argv) {
   for (const std::string& path : {o.output, o.png, o.json}) {
     if (!path.empty()) checkWritable(path, o.force);
   }
-  const cv::Mat left = readImage(o.left, cv::IMREAD_GRAYSCALE);
-  const cv::Mat right = readImage(o.right, cv::IMREAD_GRAYSCALE);
+  const auto [left, right] = readGreyPair(o.left, o.right);
   checkPair(o, left, right);
   const MotionPlan flight = o.by_motion
                                 ? planForMotion(o.motion, o.guidance, left.size())

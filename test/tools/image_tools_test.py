@@ -61,6 +61,15 @@ class Match(Case):
         self.assertGreater(report['time_ms'], 0.0)
         self.assertTrue(report['simd_target'])
 
+    def test_images_of_twelve_bits(self):
+        for side in 'lr':
+            eight = cv2.imread(self.path(side + '.png'), cv2.IMREAD_GRAYSCALE)
+            cv2.imwrite(self.path(side + '16.png'), (eight.astype(np.uint16) << 4) + 5)
+        for names in (('l.png', 'r.png', 'd8.pfm'), ('l16.png', 'r16.png', 'd16.pfm')):
+            left, right, output = map(self.path, names)
+            self.assertEqual(run('match', left, right, '--output', output)[0], 0)
+        np.testing.assert_array_equal(read_pfm(self.path('d8.pfm')), read_pfm(self.path('d16.pfm')))
+
     def test_plans(self):
         run('match', *self.pair, '--output', self.path('d.pfm'), '--json', self.path('d.json'),
             '--speed', 20, '--yaw-rate', 0.9, '--disparity-range', 16)
