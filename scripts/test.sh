@@ -1,5 +1,5 @@
 #!/bin/bash
-# Installs what is missing, builds everything and runs every test. The last line is ctest's verdict.
+# Installs what is missing, builds everything and runs every test. It ends with ctest's verdict.
 #   scripts/test.sh [--no-setup]
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"

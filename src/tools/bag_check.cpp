@@ -72,7 +72,7 @@ int parseAndRun(int argc, const char* const* argv) {
   const ToolHelp help = {
       kTool, "BAG [options]",
       "Checks stereo pairs, calibration and motion of a recording, and whether the declared axes "
-      "contradict each other; exit code 0: usable, 1: something is wrong.",
+      "contradict each other; exit code 0: no ERROR (there may be WARNs), 1: an ERROR.",
       "rosrun adaptive_grid_stereo bag_check flight.bag --velocity-axes enu"};
   po::variables_map values;
   if (!parseCommandLine(argc, argv, help, own, {"bag"}, &values)) return 0;
