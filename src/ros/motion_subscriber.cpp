@@ -28,7 +28,8 @@ constexpr double kTfCache = 30.0;         // [s]
 constexpr double kFutureTolerance = 0.1;  // [s] by which stamps may lie ahead of the clock
 /// Transforms that may come before the images' stamps follow theirs back.
 constexpr std::size_t kMostAhead = 2000;
-/// Stamps of a moving frame by which to tell how often its transforms come.
+/// Stamps of a moving frame by which to tell how often its transforms come: those of the intervals
+/// that SampleBuffer::period() looks at.
 constexpr std::size_t kTransformStamps = 17;
 /// Shortest time over which the directions of a camera on a gimbal are differenced [s].
 constexpr double kShortestInterval = 0.05;

@@ -34,8 +34,9 @@ struct MotionReplay {
 };
 
 /// Plays a bag's motion into the subscriber and asks it `rate` times a second (at multiples of
-/// 1/rate), as a live node would for images with such stamps. Returns the number of damaged
-/// messages, which are left out.
+/// 1/rate), as a live node would for images with such stamps. Where the recording is a copy of an
+/// older one, whose messages have kept their stamps, the questions follow those stamps. Returns the
+/// number of damaged messages, which are left out.
 long replayMotion(BagReader* bag, const MotionReplay& replay, MotionSubscriber* subscriber,
                   const std::function<void(double stamp, const Motion& motion)>& answer);
 

@@ -78,7 +78,7 @@ class StereoSync {
   using JumpCallback = std::function<void(const ros::Time&)>;
   /// Seconds of silence before advice is given.
   static constexpr double kPatience = 5.0;
-  /// Seconds for which a jump of the stamps counts as a late one.
+  /// Seconds for which a jump of the stamps counts in SyncStatus::jumps_lately.
   static constexpr double kJumpMemory = 10.0;
 
   /// on_pair: every pair, stamps increasing; on_jump: stamps start over at about the
